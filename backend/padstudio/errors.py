@@ -1,0 +1,100 @@
+"""Every error that Pad Studio raises on purpose.
+
+An error has a stable ``code`` (for programs), a message that says what is wrong and what to do
+(for people), an HTTP ``status`` and a process ``exit_code``. Finding nothing in a picture is not
+an error: see `padstudio.vision.types.StageFailure`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+
+class StudioError(Exception):
+    """Root of all errors that are the caller's or the environment's, not a defect.
+
+    Parameters
+    ----------
+    message : str
+        A sentence that names the fault and the way out.
+    code : str, optional
+        A more precise stable code than the class's own.
+    detail : dict, optional
+        Figures and places, for programs; must be JSON-serialisable.
+    """
+
+    code: ClassVar[str] = "studio_error"
+    status: ClassVar[int] = 400
+    exit_code: ClassVar[int] = 2
+
+    def __init__(
+        self, message: str, *, code: str | None = None, detail: dict[str, Any] | None = None
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.error_code = code or self.code
+        self.detail = detail or {}
+
+
+class SpecError(StudioError):
+    """A pad is asked for that cannot be, or is beyond a limit."""
+
+    code = "invalid_spec"
+    status = 422
+
+
+class PadFormatError(StudioError):
+    """A pad file is ill-formed; the message names the place."""
+
+    code = "invalid_pad_file"
+    status = 422
+
+
+class CameraFormatError(StudioError):
+    """A camera file is ill-formed or of an unknown kind."""
+
+    code = "invalid_camera_file"
+    status = 422
+
+
+class CameraMismatchError(StudioError):
+    """A frame's size does not fit the camera's calibration."""
+
+    code = "camera_size_mismatch"
+    status = 422
+
+
+class ImageError(StudioError):
+    """An upload is no readable image."""
+
+    code = "invalid_image"
+    status = 422
+
+
+class LimitError(StudioError):
+    """A request is beyond a limit on sizes or counts."""
+
+    code = "limit_exceeded"
+    status = 413
+
+
+class NotFoundError(StudioError):
+    """Something was asked for by name that does not exist."""
+
+    code = "not_found"
+    status = 404
+
+
+class ConflictError(StudioError):
+    """The request contradicts what is stored."""
+
+    code = "conflict"
+    status = 409
+
+
+class SearchExhaustedError(StudioError):
+    """A generator ran out of time or ways before it reached the size asked for."""
+
+    code = "search_exhausted"
+    status = 422
+    exit_code = 3

@@ -1,0 +1,1 @@
+"""Stored pads, cameras and flights, and the work on them."""

@@ -1,0 +1,4 @@
+"""Cameras, poses and plane homographies; knows nothing of pads.
+
+May import only `padstudio.errors`.
+"""

@@ -1,0 +1,221 @@
+"""A calibrated camera: intrinsics and lens distortion.
+
+Pixel (0, 0) is the centre of the top-left pixel. Files are read and written by
+`padstudio.geometry.camera_files`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from padstudio.errors import CameraFormatError, CameraMismatchError
+
+Array = NDArray[np.float64]
+LensModel = Literal["radtan", "fisheye"]
+
+_COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
+# Two aspect ratios count as one when they differ by less than one pixel row in a thousand.
+_ASPECT_TOLERANCE = 2e-3
+# OpenCV 4 has the variant with a stopping rule under a name of its own, OpenCV 5 merged the two.
+_undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Pinhole intrinsics with a lens model.
+
+    Attributes
+    ----------
+    width, height : int
+        Size of the frames that the calibration is for, pixels.
+    matrix : (3, 3) float64
+        OpenCV's K, pixels.
+    distortion : (0,), (4,), (5,) or (8,) float64
+        Radial-tangential coefficients in OpenCV's order, or the four of the equidistant fisheye.
+    model : {"radtan", "fisheye"}
+    name : str
+    nominal : bool
+        True where the intrinsics come from a data sheet rather than a calibration.
+    scale : float
+        1.0, or the factor by which `for_frame` scaled a calibration made at another size.
+    """
+
+    width: int
+    height: int
+    matrix: Array
+    distortion: Array = field(default_factory=lambda: np.zeros(0))
+    model: LensModel = "radtan"
+    name: str = "camera"
+    nominal: bool = False
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        matrix = np.array(self.matrix, float)
+        distortion = np.array(self.distortion, float).ravel()
+        if self.width < 1 or self.height < 1:
+            raise CameraFormatError(
+                f"image size {self.width} x {self.height} is not positive; give the calibrated size"
+            )
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+            raise CameraFormatError("the camera matrix must be 3 x 3 finite numbers")
+        if matrix[0, 0] <= 0 or matrix[1, 1] <= 0 or not np.allclose(matrix[2], (0, 0, 1)):
+            raise CameraFormatError(
+                "the camera matrix must have positive focal lengths and last row 0 0 1"
+            )
+        if self.model not in _COEFFICIENTS:
+            raise CameraFormatError(f"unknown lens model {self.model!r}; use radtan or fisheye")
+        if len(distortion) not in _COEFFICIENTS[self.model]:
+            allowed = ", ".join(map(str, _COEFFICIENTS[self.model]))
+            raise CameraFormatError(
+                f"{self.model} takes {allowed} distortion coefficients, not {len(distortion)}"
+            )
+        if not np.isfinite(distortion).all():
+            raise CameraFormatError("the distortion coefficients must be finite numbers")
+        matrix.setflags(write=False)
+        distortion.setflags(write=False)
+        object.__setattr__(self, "matrix", matrix)
+        object.__setattr__(self, "distortion", distortion)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Camera:
+        """Read a camera file (ROS, OpenCV, Kalibr or PhotonVision).
+
+        Raises
+        ------
+        CameraFormatError
+            If the file is none of these, naming what is missing.
+        """
+        from padstudio.geometry import camera_files
+
+        return camera_files.load(Path(path))
+
+    def save(self, path: str | Path) -> None:
+        """Write a ROS ``camera_info`` YAML file."""
+        from padstudio.geometry import camera_files
+
+        Path(path).write_text(camera_files.to_ros_yaml(self), encoding="utf-8")
+
+    @property
+    def distorted(self) -> bool:
+        """True if any distortion coefficient differs from zero."""
+        return bool(np.any(self.distortion)) or self.model == "fisheye"
+
+    @property
+    def focal_px(self) -> float:
+        """Geometric mean of the two focal lengths, pixels."""
+        return float(np.sqrt(self.matrix[0, 0] * self.matrix[1, 1]))
+
+    def for_frame(self, width: int, height: int) -> Camera:
+        """The camera for frames of another size of the same picture.
+
+        Parameters
+        ----------
+        width, height : int
+            The frame's size, pixels.
+
+        Raises
+        ------
+        CameraMismatchError
+            If the aspect differs, so that the frame cannot be the calibrated picture scaled.
+        """
+        if (width, height) == (self.width, self.height):
+            return self
+        sx, sy = width / self.width, height / self.height
+        if abs(sx / sy - 1) > _ASPECT_TOLERANCE:
+            raise CameraMismatchError(
+                f"the frame is {width} x {height}, camera {self.name!r} is calibrated for "
+                f"{self.width} x {self.height} of another aspect; choose the camera file made at "
+                "the frame's size",
+                detail={"frame": [width, height], "camera": [self.width, self.height]},
+            )
+        matrix = self.matrix.copy()
+        # Pixel centres are integers, so the picture's corner lies at -0.5.
+        matrix[0, 2] += 0.5
+        matrix[1, 2] += 0.5
+        matrix[0] *= sx
+        matrix[1] *= sy
+        matrix[0, 2] -= 0.5
+        matrix[1, 2] -= 0.5
+        return replace(self, width=width, height=height, matrix=matrix, scale=self.scale * sx)
+
+    def normalize(self, pixels: ArrayLike) -> Array:
+        """Undistort pixels to the plane z = 1 of the camera frame.
+
+        Parameters
+        ----------
+        pixels : (N, 2) array_like
+            Pixel coordinates.
+
+        Returns
+        -------
+        (N, 2) float64
+            Normalized coordinates x/z, y/z.
+        """
+        points = np.ascontiguousarray(pixels, float).reshape(-1, 1, 2)
+        if not len(points):
+            return np.zeros((0, 2))
+        if self.model == "fisheye":
+            coefficients = self.distortion if len(self.distortion) else np.zeros(4)
+            out = cv2.fisheye.undistortPoints(points, self.matrix, coefficients)
+            return np.asarray(out, float).reshape(-1, 2)
+        if not self.distorted:
+            # Arithmetic is far cheaper than OpenCV's iteration for the common ideal lens.
+            xy = points.reshape(-1, 2) - self.matrix[:2, 2]
+            y = xy[:, 1] / self.matrix[1, 1]
+            x = (xy[:, 0] - self.matrix[0, 1] * y) / self.matrix[0, 0]
+            return np.stack([x, y], axis=1)
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
+        out = _undistort(points, self.matrix, self.distortion, None, None, None, criteria)
+        return np.asarray(out, float).reshape(-1, 2)
+
+    def denormalize(self, normalized: ArrayLike) -> Array:
+        """Distort normalized coordinates to pixels; the inverse of `normalize`.
+
+        Parameters
+        ----------
+        normalized : (N, 2) array_like
+            Coordinates x/z, y/z.
+
+        Returns
+        -------
+        (N, 2) float64
+            Pixel coordinates.
+        """
+        xy = np.ascontiguousarray(normalized, float).reshape(-1, 2)
+        if not len(xy):
+            return np.zeros((0, 2))
+        if self.distorted:
+            points = np.column_stack([xy, np.ones(len(xy))]).reshape(-1, 1, 3)
+            return self._project(points)
+        return xy @ self.matrix[:2, :2].T + self.matrix[:2, 2]
+
+    def project(self, points_camera: ArrayLike) -> Array:
+        """Project camera-frame points to pixels.
+
+        Parameters
+        ----------
+        points_camera : (N, 3) array_like
+            Points with z > 0, any length unit.
+
+        Returns
+        -------
+        (N, 2) float64
+            Pixel coordinates.
+        """
+        points = np.asarray(points_camera, float).reshape(-1, 3)
+        return self.denormalize(points[:, :2] / points[:, 2:])
+
+    def _project(self, points: Array) -> Array:
+        zero = np.zeros(3)
+        if self.model == "fisheye":
+            coefficients = self.distortion if len(self.distortion) else np.zeros(4)
+            out = cv2.fisheye.projectPoints(points, zero, zero, self.matrix, coefficients)[0]
+        else:
+            out = cv2.projectPoints(points, zero, zero, self.matrix, self.distortion)[0]
+        return np.asarray(out, float).reshape(-1, 2)

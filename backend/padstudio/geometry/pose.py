@@ -1,0 +1,159 @@
+"""The pose of a camera over a plane.
+
+Frames (docs/conventions.md): the pad frame has its origin at the pad's centre, X to the right and
+Y up the printed page, Z toward the camera, in millimetres. The camera frame is OpenCV's: x right,
+y down, z forward.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Position and attitude of a camera in the pad frame.
+
+    Attributes
+    ----------
+    position_mm : (3,) float64
+        The camera's centre in the pad frame.
+    rotation : (3, 3) float64
+        Takes camera vectors to pad vectors.
+    """
+
+    position_mm: Array
+    rotation: Array
+
+    @classmethod
+    def from_T_camera_pad(cls, rotation: Array, translation_mm: Array) -> Pose:
+        """Build from the transform that takes pad points to camera points.
+
+        Parameters
+        ----------
+        rotation : (3, 3) float64
+            Takes pad vectors to camera vectors, as `cv2.Rodrigues` of a solver's ``rvec``.
+        translation_mm : (3,) or (3, 1) float64
+            The pad's origin in the camera frame, a solver's ``tvec``.
+        """
+        inverse = np.asarray(rotation, float).T
+        return cls(-inverse @ np.asarray(translation_mm, float).ravel(), inverse)
+
+    @property
+    def T_pad_camera(self) -> Array:
+        """(4, 4) float64, takes homogeneous camera points to pad points, mm."""
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = self.rotation, self.position_mm
+        return T
+
+    @property
+    def T_camera_pad(self) -> Array:
+        """(4, 4) float64, takes homogeneous pad points to camera points, mm."""
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = self.rotation.T, -self.rotation.T @ self.position_mm
+        return T
+
+    @property
+    def rvec(self) -> Array:
+        """(3,) float64, the Rodrigues vector of `T_camera_pad`, radians."""
+        return np.asarray(cv2.Rodrigues(self.rotation.T)[0], float).ravel()
+
+    @property
+    def tvec_mm(self) -> Array:
+        """(3,) float64, the pad's origin in the camera frame, mm."""
+        return np.asarray(-self.rotation.T @ self.position_mm, float)
+
+    @property
+    def quaternion_xyzw(self) -> Array:
+        """(4,) float64, unit quaternion of `rotation`, scalar last and not negative."""
+        r = self.rotation
+        # Shepperd's choice of the largest component keeps the square root away from zero.
+        trace = float(np.trace(r))
+        squares = np.array([r[0, 0], r[1, 1], r[2, 2], trace])
+        k = int(np.argmax(squares))
+        q = np.empty(4)
+        if k == 3:
+            q[3] = 1 + trace
+            q[:3] = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+        else:
+            i, j, m = k, (k + 1) % 3, (k + 2) % 3
+            q[i] = 1 + r[i, i] - r[j, j] - r[m, m]
+            q[j], q[m] = r[j, i] + r[i, j], r[m, i] + r[i, m]
+            q[3] = r[m, j] - r[j, m]
+        q /= np.linalg.norm(q)
+        return q if q[3] >= 0 else -q
+
+    @property
+    def heading_deg(self) -> float:
+        """The image-up direction on the pad, clockwise from +Y, in [0, 360)."""
+        up = -self.rotation[:, 1]
+        return math.degrees(math.atan2(up[0], up[1])) % 360.0
+
+    @property
+    def tilt_deg(self) -> float:
+        """Angle between the optical axis and straight down (−Z), in [0, 180]."""
+        axis = self.rotation[:, 2]
+        return math.degrees(math.atan2(math.hypot(axis[0], axis[1]), -axis[2]))
+
+    @property
+    def euler_deg(self) -> tuple[float, float, float]:
+        """Roll, pitch, yaw of `rotation` about x, y, z (R = Rz(yaw) Ry(pitch) Rx(roll)), degrees."""
+        r = self.rotation
+        pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
+        roll = math.atan2(r[2, 1], r[2, 2])
+        yaw = math.atan2(r[1, 0], r[0, 0])
+        return math.degrees(roll), math.degrees(pitch), math.degrees(yaw)
+
+
+def look_at_pad(
+    height_mm: float,
+    *,
+    tilt_deg: float = 0.0,
+    heading_deg: float = 0.0,
+    tilt_towards_deg: float = 0.0,
+    target_mm: tuple[float, float] = (0.0, 0.0),
+) -> Pose:
+    """Pose of a camera whose optical axis meets the pad plane at a target.
+
+    Parameters
+    ----------
+    height_mm : float
+        Height of the camera's centre over the pad plane.
+    tilt_deg : float
+        Angle between the optical axis and straight down, in [0, 90).
+    heading_deg : float
+        Image-up direction for an untilted camera, clockwise from +Y.
+    tilt_towards_deg : float
+        Compass direction (clockwise from +Y) toward which the optical axis leans.
+    target_mm : (x, y)
+        Where the optical axis meets the plane.
+    """
+    lean, tilt = math.radians(tilt_towards_deg), math.radians(tilt_deg)
+    h = math.radians(heading_deg)
+    down = np.array(
+        [
+            [math.cos(h), -math.sin(h), 0.0],
+            [-math.sin(h), -math.cos(h), 0.0],
+            [0.0, 0.0, -1.0],
+        ]
+    )
+    # The turn about this horizontal axis takes straight down toward the lean direction.
+    axis = np.array([-math.cos(lean), math.sin(lean), 0.0])
+    turn = np.asarray(cv2.Rodrigues(-axis * tilt)[0], float)
+    rotation = turn @ down
+    forward = rotation[:, 2]
+    target = np.array([target_mm[0], target_mm[1], 0.0])
+    return Pose(target + forward * (height_mm / forward[2]), rotation)
+
+
+def rotation_angle_deg(a: Array, b: Array) -> float:
+    """Angle of the turn between two rotations, (3, 3) each, in degrees."""
+    cosine = (float(np.sum(a * b)) - 1.0) / 2.0
+    return math.degrees(math.acos(max(-1.0, min(1.0, cosine))))

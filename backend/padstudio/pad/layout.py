@@ -1,0 +1,111 @@
+"""From a pad to rectangles and true corners in millimetres.
+
+One layout serves every painter (raster, SVG, PDF, …): a painter only paints it. Page coordinates
+have their origin at the top left of the sheet with its quiet margin, x to the right, y down, mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.spec import Channel, Layer, Pad
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A pad's geometry at its nominal size.
+
+    Attributes
+    ----------
+    page_width_mm, page_height_mm : float
+        The sheet, quiet margin included.
+    x_mm : (C + 1,) float64
+        Column edges of the finest common grid of all layers, page coordinates.
+    y_mm : (R + 1,) float64
+        Row edges of the same.
+    colors : (R, C, 3) uint8
+        Nominal RGB of each patch of that grid; 255 is full ink of light, 0 none.
+    """
+
+    page_width_mm: float
+    page_height_mm: float
+    x_mm: Array
+    y_mm: Array
+    colors: NDArray[np.uint8]
+
+
+def layout(pad: Pad) -> Layout:
+    """Lay a pad out at its nominal size.
+
+    Where a layer ends short of the pad's corner, its channel is dark; a channel without a layer is
+    dark all over. The quiet margin is white.
+    """
+    x = _edges([layer.cell_mm * np.arange(layer.cols + 1) for layer in pad.layers])
+    y = _edges([layer.cell_mm * np.arange(layer.rows + 1) for layer in pad.layers])
+    colors = np.zeros((len(y) - 1, len(x) - 1, 3), np.uint8)
+    middle_x, middle_y = (x[:-1] + x[1:]) / 2, (y[:-1] + y[1:]) / 2
+    for layer in pad.layers:
+        col, row = (middle_x / layer.cell_mm).astype(int), (middle_y / layer.cell_mm).astype(int)
+        inside = np.ix_(row < layer.rows, col < layer.cols)
+        values = level_values(pad.levels)[layer.field]
+        plane = colors[:, :, "rgb".index(layer.channel[0])]
+        plane[inside] = values[np.ix_(row[row < layer.rows], col[col < layer.cols])]
+    quiet = pad.quiet_mm
+    return Layout(
+        page_width_mm=pad.width_mm + 2 * quiet,
+        page_height_mm=pad.height_mm + 2 * quiet,
+        x_mm=x + quiet,
+        y_mm=y + quiet,
+        colors=colors,
+    )
+
+
+def level_values(levels: int) -> NDArray[np.uint8]:
+    """(Y,) uint8, the channel value of each level: 0 dark … 255 full, evenly spaced."""
+    return np.round(np.linspace(0, 255, levels)).astype(np.uint8)
+
+
+def corners_mm(pad: Pad, channel: Channel) -> Array:
+    """True positions of a layer's cell corners in the pad frame, at the measured size.
+
+    Returns
+    -------
+    (rows + 1, cols + 1, 3) float64
+        Pad frame (origin at the pad's centre, Y up), mm.
+    """
+    layer = pad.layer(channel)
+    if layer is None:
+        raise KeyError(channel)
+    return lattice_mm(pad, layer, np.arange(layer.rows + 1.0), np.arange(layer.cols + 1.0))
+
+
+def lattice_mm(pad: Pad, layer: Layer, rows: Array, cols: Array) -> Array:
+    """Pad-frame positions (R, C, 3) of lattice coordinates (rows and columns may be fractions)."""
+    sx, sy = pad.scale
+    x = (cols * layer.cell_mm - pad.width_mm / 2) * sx
+    y = (pad.height_mm / 2 - rows * layer.cell_mm) * sy
+    out = np.zeros((len(rows), len(cols), 3))
+    out[..., 0], out[..., 1] = x[None, :], y[:, None]
+    return out
+
+
+def outline_mm(pad: Pad) -> Array:
+    """(4, 3) float64: the pad's corners, top left first, clockwise on the page, pad frame, mm."""
+    w, h = pad.size_mm
+    return np.array([[-w, h, 0], [w, h, 0], [w, -h, 0], [-w, -h, 0]]) / 2.0
+
+
+def _edges(grids: list[Array]) -> Array:
+    """Sorted union of edge positions; those nearer than a micrometre count as one."""
+    values = np.unique(np.concatenate(grids))
+    keep = [values[0]]
+    for previous, value in pairwise(values):
+        if value - previous > 1e-3:
+            keep.append(value)
+    return np.array(keep)

@@ -1,0 +1,189 @@
+"""The pad and its layers: the objects that every other part works on.
+
+The file form lives in `padstudio.pad.files`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import PadFormatError
+
+Channel = Literal["red", "green", "blue"]
+CHANNELS: tuple[Channel, ...] = get_args(Channel)
+
+MAX_LEVELS = 36
+MAX_WINDOW = 16
+MAX_CELLS = 4000
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """One grid of cells in one colour channel.
+
+    Attributes
+    ----------
+    channel : {"red", "green", "blue"}
+    cell_mm : float
+        Side of a cell, mm.
+    field : (rows, cols) uint8
+        Levels, 0 (dark) … Y−1 (full); row 0, column 0 is the page's top left. Read-only.
+    """
+
+    channel: Channel
+    cell_mm: float
+    field: NDArray[np.uint8]
+
+    def __post_init__(self) -> None:
+        if self.channel not in CHANNELS:
+            raise PadFormatError(
+                f"unknown channel {self.channel!r}; use {', '.join(CHANNELS)}"
+            )
+        if not (np.isfinite(self.cell_mm) and 0 < self.cell_mm <= 10_000):
+            raise PadFormatError(
+                f"{self.channel} layer: cell_mm is {self.cell_mm}; give a side above 0 and at most "
+                "10000 mm"
+            )
+        field = np.array(self.field, dtype=np.uint8, order="C")
+        if field.ndim != 2 or not field.size:
+            raise PadFormatError(f"{self.channel} layer: the field must have rows and columns")
+        if max(field.shape) > MAX_CELLS:
+            raise PadFormatError(
+                f"{self.channel} layer: {field.shape[0]} x {field.shape[1]} cells; the limit is "
+                f"{MAX_CELLS} a side"
+            )
+        field.setflags(write=False)
+        object.__setattr__(self, "field", field)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of cells."""
+        return int(self.field.shape[0])
+
+    @property
+    def cols(self) -> int:
+        """Number of columns of cells."""
+        return int(self.field.shape[1])
+
+    @property
+    def width_mm(self) -> float:
+        """Width on paper, mm."""
+        return self.cols * self.cell_mm
+
+    @property
+    def height_mm(self) -> float:
+        """Height on paper, mm."""
+        return self.rows * self.cell_mm
+
+
+@dataclass(frozen=True, eq=False)
+class Pad:
+    """A whole printed landing sign.
+
+    Attributes
+    ----------
+    layers : tuple of Layer
+        One a channel, sharing the top-left corner.
+    window : int
+        b: every b × b window of a layer is there once.
+    levels : int
+        Y: the number of levels of a cell.
+    quiet_mm : float
+        White margin round the pad, mm.
+    name : str
+    seed : int or None
+        What the field was grown from; None for imported fields.
+    method : str or None
+        The generator's method.
+    unique : {"rotation", "plain"} or None
+        The uniqueness that the pad was generated for; None where unknown.
+    distance : int or None
+        The least Hamming distance of two windows that it was generated for; None where unknown.
+    scale : (x, y)
+        Measured size of the print over its nominal size; 1.0 until somebody measured.
+    """
+
+    layers: tuple[Layer, ...]
+    window: int = 5
+    levels: int = 2
+    quiet_mm: float = 0.0
+    name: str = "pad"
+    seed: int | None = None
+    method: str | None = None
+    unique: Literal["rotation", "plain"] | None = None
+    distance: int | None = None
+    scale: tuple[float, float] = field(default=(1.0, 1.0))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "layers", tuple(self.layers))
+        if not self.layers:
+            raise PadFormatError("the pad has no layers; give at least one")
+        channels = [layer.channel for layer in self.layers]
+        if len(set(channels)) != len(channels):
+            raise PadFormatError("two layers share a channel; each channel holds one layer")
+        if not 2 <= self.window <= MAX_WINDOW:
+            raise PadFormatError(f"window is {self.window}; it must be 2 … {MAX_WINDOW}")
+        if not 2 <= self.levels <= MAX_LEVELS:
+            raise PadFormatError(f"levels is {self.levels}; it must be 2 … {MAX_LEVELS}")
+        if not (np.isfinite(self.quiet_mm) and 0 <= self.quiet_mm <= 10_000):
+            raise PadFormatError(f"quiet_mm is {self.quiet_mm}; it must be 0 … 10000")
+        if not all(np.isfinite(s) and 0.5 <= s <= 2.0 for s in self.scale):
+            raise PadFormatError(f"scale is {self.scale}; it must lie within 0.5 … 2 in x and y")
+        for layer in self.layers:
+            self._check_layer(layer)
+
+    def _check_layer(self, layer: Layer) -> None:
+        if min(layer.field.shape) < self.window:
+            raise PadFormatError(
+                f"{layer.channel} layer: {layer.rows} x {layer.cols} cells hold no "
+                f"{self.window} x {self.window} window"
+            )
+        if int(layer.field.max()) >= self.levels:
+            row, col = np.argwhere(layer.field >= self.levels)[0]
+            raise PadFormatError(
+                f"{layer.channel} layer, row {row}, column {col}: level {layer.field[row, col]} "
+                f"is not below levels = {self.levels}"
+            )
+
+    @classmethod
+    def load(cls, path: str | Path) -> Pad:
+        """Read a pad file (docs/conventions.md, "Pad file").
+
+        Raises
+        ------
+        PadFormatError
+            If the file is ill-formed, with the place and the reason.
+        """
+        from padstudio.pad import files
+
+        return files.load(Path(path))
+
+    def save(self, path: str | Path) -> None:
+        """Write the pad as a pad file."""
+        from padstudio.pad import files
+
+        Path(path).write_text(files.dumps(self), encoding="utf-8")
+
+    def layer(self, channel: Channel) -> Layer | None:
+        """The layer in a channel, or None."""
+        return next((layer for layer in self.layers if layer.channel == channel), None)
+
+    @property
+    def width_mm(self) -> float:
+        """Nominal width without the quiet margin, mm."""
+        return max(layer.width_mm for layer in self.layers)
+
+    @property
+    def height_mm(self) -> float:
+        """Nominal height without the quiet margin, mm."""
+        return max(layer.height_mm for layer in self.layers)
+
+    @property
+    def size_mm(self) -> tuple[float, float]:
+        """Measured width and height without the quiet margin, mm: nominal times `scale`."""
+        return self.width_mm * self.scale[0], self.height_mm * self.scale[1]

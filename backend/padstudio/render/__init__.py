@@ -1,0 +1,1 @@
+"""Painters: each turns a layout into one file form and decides nothing."""

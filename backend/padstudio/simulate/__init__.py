@@ -1,0 +1,1 @@
+"""A camera simulator with truth."""

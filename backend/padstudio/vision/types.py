@@ -1,0 +1,229 @@
+"""What stages say to each other and to the caller: trace, failure, detection.
+
+Finding nothing is a value (`StageFailure`), misuse is an exception (`padstudio.errors`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.pose import Pose
+from padstudio.pad.spec import Channel
+
+Array = NDArray[np.float64]
+Image = NDArray[np.uint8]
+Method = Literal["dense", "paper"]
+
+#: The stages in their order. Those up to ``decode`` run once a channel.
+STAGES = (
+    "stretch",
+    "denoise",
+    "channel",
+    "block_mean",
+    "clean",
+    "edges",
+    "lines",
+    "grid",
+    "decode",
+    "choose",
+    "pose",
+    "outline",
+)
+
+
+class Reason(StrEnum):
+    """Why a stage found nothing: the fixed list, the one place where it stands."""
+
+    NO_CONTRAST = "no_contrast"
+    UNDEREXPOSED = "underexposed"
+    OVEREXPOSED = "overexposed"
+    NO_EDGES = "no_edges"
+    TOO_FEW_LINES = "too_few_lines"
+    NO_LATTICE = "no_lattice"
+    CELLS_TOO_SMALL = "cells_too_small"
+    CELLS_TOO_LARGE = "cells_too_large"
+    TOO_FEW_CELLS = "too_few_cells"
+    UNKNOWN_CODE = "unknown_code"
+    MOTION_BLUR = "motion_blur"
+    CROSSTALK = "crosstalk"
+    NO_OUTLINE = "no_outline"
+    POSE_REJECTED = "pose_rejected"
+    NO_LAYER = "no_layer"
+
+
+@dataclass(frozen=True)
+class StageFailure:
+    """A stage found nothing.
+
+    Attributes
+    ----------
+    stage : str
+        One of `STAGES`.
+    reason : Reason
+    detail : str
+        A sentence with the measured figures.
+    advice : str
+        What to try, in plain words.
+    """
+
+    stage: str
+    reason: Reason
+    detail: str
+    advice: str = ""
+
+
+@dataclass(frozen=True)
+class StageRecord:
+    """One stage's run in a trace.
+
+    Attributes
+    ----------
+    name : str
+        One of `STAGES`.
+    channel : {"red", "green", "blue"} or None
+        None for stages that serve all channels.
+    elapsed_ms : float
+    output : object
+        The stage's own frozen dataclass, or a `StageFailure`.
+    """
+
+    name: str
+    channel: Channel | None
+    elapsed_ms: float
+    output: object
+
+    @property
+    def failure(self) -> StageFailure | None:
+        """The failure, where the stage found nothing."""
+        return self.output if isinstance(self.output, StageFailure) else None
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Every stage's output for one frame, in the order they ran.
+
+    Attributes
+    ----------
+    image : (H, W, 3) uint8
+        The frame, BGR.
+    records : tuple of StageRecord
+    """
+
+    image: Image
+    records: tuple[StageRecord, ...]
+
+    def get(self, name: str, channel: Channel | None = None) -> StageRecord | None:
+        """The last run of a stage in a channel, or of a stage that serves all channels."""
+        for record in reversed(self.records):
+            if record.name == name and record.channel in (channel, None):
+                return record
+        return None
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """One standard deviation of a pose, from the residuals' covariance.
+
+    Attributes
+    ----------
+    position_sigma_mm : (3,) float64
+        Along the pad's X, Y, Z.
+    attitude_sigma_deg : (3,) float64
+        About the camera's x, y, z.
+    covariance : (6, 6) float64
+        Position (mm, pad frame) then attitude (radians, about the camera's axes).
+    """
+
+    position_sigma_mm: Array
+    attitude_sigma_deg: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
+class Detection:
+    """What the detector says of one frame.
+
+    Attributes
+    ----------
+    pose : Pose or None
+        None where `failure` says why.
+    failure : StageFailure or None
+    layer : {"red", "green", "blue", "outline"} or None
+        What the pose rests on.
+    cells_read, cells_wrong : int
+        Cells compared with the pad, and those that differ from it.
+    log10_false_alarm : float
+        The base-10 logarithm of the bound on the chance that a picture without this pad gives
+        as good a match.
+    reprojection_px : float
+        Root mean square of the residuals, pixels of the frame.
+    uncertainty : Uncertainty or None
+    elapsed_ms : mapping
+        Milliseconds per stage (summed over channels) and ``total``.
+    trace : Trace or None
+    """
+
+    pose: Pose | None
+    failure: StageFailure | None = None
+    layer: Literal["red", "green", "blue", "outline"] | None = None
+    cells_read: int = 0
+    cells_wrong: int = 0
+    log10_false_alarm: float = 0.0
+    reprojection_px: float = 0.0
+    uncertainty: Uncertainty | None = None
+    elapsed_ms: Mapping[str, float] = field(default_factory=dict)
+    trace: Trace | None = None
+
+    @property
+    def ok(self) -> bool:
+        """True where there is a pose."""
+        return self.pose is not None
+
+    def to_record(
+        self, source: str, *, frame: int = 0, time_s: float | None = None
+    ) -> dict[str, Any]:
+        """One line of a poses file (docs/conventions.md, "Poses file"), JSON-serialisable."""
+        record: dict[str, Any] = {"source": source, "frame": frame, "time_s": time_s}
+        if self.pose is None:
+            failure = self.failure
+            assert failure is not None
+            record |= {
+                "status": "failed",
+                "stage": failure.stage,
+                "reason": str(failure.reason),
+                "detail": failure.detail,
+                "advice": failure.advice,
+            }
+        else:
+            record |= {"status": "ok", **pose_fields(self.pose), **self._evidence()}
+        record["elapsed_ms"] = {name: round(ms, 3) for name, ms in self.elapsed_ms.items()}
+        return record
+
+    def _evidence(self) -> dict[str, Any]:
+        sigma = self.uncertainty
+        return {
+            "layer": self.layer,
+            "cells_read": self.cells_read,
+            "cells_wrong": self.cells_wrong,
+            "log10_false_alarm": round(self.log10_false_alarm, 2),
+            "reprojection_px": self.reprojection_px,
+            "position_sigma_mm": None if sigma is None else sigma.position_sigma_mm.tolist(),
+            "attitude_sigma_deg": None if sigma is None else sigma.attitude_sigma_deg.tolist(),
+        }
+
+
+def pose_fields(pose: Pose) -> dict[str, Any]:
+    """A pose as the JSON fields of a poses file."""
+    return {
+        "position_mm": pose.position_mm.tolist(),
+        "rotation": pose.rotation.tolist(),
+        "quaternion_xyzw": pose.quaternion_xyzw.tolist(),
+        "heading_deg": pose.heading_deg,
+        "tilt_deg": pose.tilt_deg,
+    }
