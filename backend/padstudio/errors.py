@@ -98,3 +98,38 @@ class SearchExhaustedError(StudioError):
     code = "search_exhausted"
     status = 422
     exit_code = 3
+
+
+class AccessError(StudioError):
+    """The request comes from where, or without what, it must not."""
+
+    code = "access_denied"
+    status = 403
+
+
+class BusyError(StudioError):
+    """All workers are at work and enough requests wait already."""
+
+    code = "busy"
+    status = 503
+
+
+class TimeLimitError(StudioError):
+    """Work on a request took longer than its limit and was ended."""
+
+    code = "time_limit"
+    status = 422
+
+
+class WorkerCrashError(StudioError):
+    """The process that worked on a request died: out of memory, or a fault in a decoder."""
+
+    code = "worker_crashed"
+    status = 422
+
+
+class StorageError(StudioError):
+    """The data folder cannot be used or written."""
+
+    code = "storage"
+    status = 507
