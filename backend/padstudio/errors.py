@@ -100,6 +100,14 @@ class SearchExhaustedError(StudioError):
     exit_code = 3
 
 
+class SearchCancelledError(StudioError):
+    """A generator was told to stop."""
+
+    code = "search_cancelled"
+    status = 409
+    exit_code = 3
+
+
 class AccessError(StudioError):
     """The request comes from where, or without what, it must not."""
 
