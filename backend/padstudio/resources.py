@@ -14,3 +14,8 @@ def web_folder(name: str) -> Path:
     """
     installed = _PACKAGE / "_web" / name
     return installed if installed.is_dir() else _PACKAGE.parents[1] / name
+
+
+def sample_folder() -> Path:
+    """Folder of the tour's sample: ``pad.json``, ``camera.yaml``, frames and ``truth.json``."""
+    return web_folder("samples")

@@ -1,0 +1,69 @@
+# Pad Studio: `make run` serves the studio, `make test` checks everything. Both set up what is missing.
+
+VENV   := .venv
+PYTHON := $(VENV)/bin/python
+STAMPS := $(VENV)/.stamps
+
+# The first Python of 3.11 or later among the usual names.
+BASE_PYTHON ?= $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+
+HOST ?= 127.0.0.1
+PORT ?= 8000
+DATA ?= data
+ARGS ?=
+
+.DEFAULT_GOAL := help
+.PHONY: help install run test check bench clean
+
+help:
+	@echo 'make install   set up $(VENV) with the locked dependencies'
+	@echo 'make run       serve the studio on http://$(HOST):$(PORT)   (HOST=, PORT=, DATA=)'
+	@echo 'make test      check, then all tests, those in a browser included   (ARGS="-k camera")'
+	@echo 'make check     lint, formatting and types'
+	@echo 'make bench     benchmarks'
+	@echo 'make clean     remove $(VENV) and caches'
+
+install: $(STAMPS)/package
+
+$(PYTHON):
+	@test -n '$(BASE_PYTHON)' || { echo 'error: Python 3.11 or newer is needed' >&2; exit 1; }
+	@$(BASE_PYTHON) -m venv $(VENV) || { rm -rf $(VENV); \
+		echo 'error: no venv module; on Debian and Ubuntu: apt-get install python3-venv' >&2; exit 1; }
+
+# uv installs the locked set in seconds where pip takes a minute.
+$(STAMPS)/uv: | $(PYTHON)
+	@mkdir -p $(STAMPS)
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check uv
+	@touch $@
+
+$(STAMPS)/lock: requirements.lock $(STAMPS)/uv
+	$(VENV)/bin/uv pip install --quiet --python $(PYTHON) --require-hashes -r requirements.lock
+	@touch $@
+
+$(STAMPS)/package: pyproject.toml $(STAMPS)/lock
+	$(VENV)/bin/uv pip install --quiet --python $(PYTHON) --no-deps --no-build-isolation -e .
+	@touch $@
+
+run: install
+	@exec $(VENV)/bin/padstudio serve --host $(HOST) --port $(PORT) --data $(DATA)
+
+check: install
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy
+
+# The browser and the PDF reader that tests use: what is installed, else the distribution's.
+$(STAMPS)/tools: tests/install-tools.sh
+	@mkdir -p $(STAMPS)
+	sh tests/install-tools.sh
+	@touch $@
+
+test: check $(STAMPS)/tools
+	$(PYTHON) -m pytest -n auto --dist loadgroup $(ARGS)
+
+bench: install
+	$(PYTHON) tests/benchmarks/run.py $(ARGS)
+
+clean:
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis dist build

@@ -1,0 +1,37 @@
+#!/bin/sh
+# Finds, or installs from the distribution, what the tests need beside Python: a Chromium for the
+# pages and poppler's pdftoppm for measuring printed sheets.
+set -eu
+
+have() { command -v "$1" >/dev/null 2>&1; }
+
+have_chromium() {
+    [ -n "${PADSTUDIO_CHROMIUM:-}" ] && [ -x "${PADSTUDIO_CHROMIUM}" ] && return 0
+    for name in chromium chromium-browser google-chrome google-chrome-stable; do
+        have "$name" && return 0
+    done
+    [ -x "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome" ] ||
+        [ -x "/Applications/Chromium.app/Contents/MacOS/Chromium" ]
+}
+
+as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
+
+debian_packages=""
+brew_packages=""
+have_chromium || { debian_packages="$debian_packages chromium"; brew_packages="$brew_packages chromium"; }
+have pdftoppm || { debian_packages="$debian_packages poppler-utils"; brew_packages="$brew_packages poppler"; }
+[ -n "$debian_packages" ] || exit 0
+
+# Names are words of their own on purpose in what follows.
+# shellcheck disable=SC2086
+if have apt-get; then
+    as_root apt-get update -qq
+    # Ubuntu's package of that name is a snap launcher, found as chromium-browser as well.
+    as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y -qq --no-install-recommends $debian_packages
+elif have brew; then
+    brew install --quiet $brew_packages
+else
+    echo "error: install these first:$debian_packages" >&2
+    exit 1
+fi
