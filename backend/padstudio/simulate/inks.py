@@ -1,0 +1,107 @@
+"""What a printer makes of a pad's nominal colours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import SpecError
+
+Array = NDArray[np.float64]
+Rgb = tuple[float, float, float]
+
+
+def linear_from_srgb(values: Array) -> Array:
+    """Linear light 0 … 1 from sRGB values 0 … 1 (IEC 61966-2-1)."""
+    values = np.asarray(values, float)
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_from_linear(values: Array) -> Array:
+    """sRGB values 0 … 1 from linear light 0 … 1 (IEC 61966-2-1)."""
+    values = np.clip(values, 0.0, 1.0)
+    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inks:
+    """How the eight full colours look on paper, as sRGB 0 … 255 of a correctly exposed picture.
+
+    The defaults are an office laser print: no primary is pure, so that each channel sees the other
+    layer too. Levels between dark and full are printed as fine screens, whose average is linear in
+    light (Demichel's equations over the Neugebauer primaries).
+
+    Attributes
+    ----------
+    black, red, green, blue, yellow, magenta, cyan, white : (r, g, b)
+    """
+
+    black: Rgb = (49.0, 49.0, 53.0)
+    red: Rgb = (177.0, 65.0, 63.0)
+    green: Rgb = (62.0, 148.0, 76.0)
+    blue: Rgb = (63.0, 80.0, 161.0)
+    yellow: Rgb = (214.0, 196.0, 60.0)
+    magenta: Rgb = (174.0, 81.0, 158.0)
+    cyan: Rgb = (56.0, 152.0, 176.0)
+    white: Rgb = (226.0, 224.0, 226.0)
+
+    def __post_init__(self) -> None:
+        values = self._primaries()
+        if not (np.isfinite(values).all() and (values >= 0).all() and (values <= 255).all()):
+            raise SpecError("each ink is three sRGB values within 0 … 255")
+
+    @classmethod
+    def ideal(cls) -> Inks:
+        """Inks that are the pad's nominal colours: red is (255, 0, 0) and so on."""
+        return cls(
+            black=(0, 0, 0),
+            red=(255, 0, 0),
+            green=(0, 255, 0),
+            blue=(0, 0, 255),
+            yellow=(255, 255, 0),
+            magenta=(255, 0, 255),
+            cyan=(0, 255, 255),
+            white=(255, 255, 255),
+        )
+
+    def reflectance(self, colors: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """Linear reflectance of nominal colours.
+
+        Parameters
+        ----------
+        colors : (..., 3) uint8
+            Nominal RGB as `padstudio.pad.layout.Layout.colors`.
+
+        Returns
+        -------
+        (..., 3) float32
+            Linear RGB, 0 … 1.
+        """
+        table = linear_from_srgb(self._primaries() / 255.0)
+        share = np.asarray(colors, float) / 255.0
+        out = np.zeros(share.shape)
+        for index in range(8):
+            weight = np.ones(share.shape[:-1])
+            for channel in range(3):
+                full = index >> channel & 1
+                weight = weight * (share[..., channel] if full else 1 - share[..., channel])
+            out += weight[..., None] * table[index]
+        return out.astype(np.float32)
+
+    def _primaries(self) -> Array:
+        """(8, 3) sRGB; bit 0 of the row number is red, bit 1 green, bit 2 blue."""
+        return np.array(
+            [
+                self.black,
+                self.red,
+                self.green,
+                self.yellow,
+                self.blue,
+                self.magenta,
+                self.cyan,
+                self.white,
+            ],
+            float,
+        )
