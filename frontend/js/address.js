@@ -1,0 +1,31 @@
+/** The page's state in the address, so that a link or a reload brings it back. */
+
+/**
+ * Replace the query; empty and null values are left out.
+ * @param {Record<string, string | null>} values
+ */
+export function writeAddress(values) {
+  const query = new URLSearchParams();
+  for (const [key, value] of Object.entries(values)) {
+    if (value !== null && value !== "") query.set(key, value);
+  }
+  const text = query.toString();
+  const next = location.pathname + (text ? `?${text}` : "");
+  if (next !== location.pathname + location.search) history.replaceState(null, "", next);
+}
+
+/** @returns {URLSearchParams} */
+export const readAddress = () => new URLSearchParams(location.search);
+
+/**
+ * Start a download without leaving the page.
+ * @param {string} url
+ */
+export function download(url) {
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = "";
+  document.body.append(link);
+  link.click();
+  link.remove();
+}

@@ -1,0 +1,155 @@
+/**
+ * The only module that talks to the server.
+ *
+ * @typedef {import("./specLogic.js").PadSpec} PadSpec
+ * @typedef {import("./padLogic.js").PadFile} PadFile
+ *
+ * @typedef {object} PadSummary
+ * @property {string} id
+ * @property {string} name
+ * @property {number} window
+ * @property {number} levels
+ * @property {[number, number]} size_mm
+ * @property {{channel: string, rows: number, cols: number, cell_mm: number}[]} layers
+ * @property {number | null} seed
+ * @property {string | null} method
+ * @property {"rotation" | "plain" | null} unique
+ * @property {number | null} distance
+ * @property {string} created_at
+ *
+ * @typedef {object} CameraSummary
+ * @property {string} id
+ * @property {string} name
+ * @property {number} width
+ * @property {number} height
+ * @property {number} focal_px
+ * @property {string} model
+ * @property {number[]} distortion
+ * @property {boolean} nominal
+ * @property {string} [note]
+ */
+
+const ROOT = "/api/v1";
+
+/** What the server refuses, or that it does not answer. */
+export class ApiError extends Error {
+  /** @param {{status: number, code: string, message: string, detail?: Record<string, unknown>}} fault */
+  constructor({ status, code, message, detail = {} }) {
+    super(message);
+    this.name = "ApiError";
+    this.status = status;
+    this.code = code;
+    this.detail = detail;
+  }
+}
+
+/**
+ * @param {string} method
+ * @param {string} path
+ * @param {{json?: unknown, form?: Record<string, string | Blob>, signal?: AbortSignal}} [options]
+ * @returns {Promise<any>}
+ */
+async function request(method, path, { json, form, signal } = {}) {
+  /** @type {RequestInit} */
+  const init = { method, signal, headers: { Accept: "application/json" } };
+  if (json !== undefined) {
+    init.headers = { ...init.headers, "Content-Type": "application/json" };
+    init.body = JSON.stringify(json);
+  } else if (form) {
+    const body = new FormData();
+    for (const [name, value] of Object.entries(form)) body.append(name, value);
+    init.body = body;
+  }
+  let response;
+  try {
+    response = await fetch(ROOT + path, init);
+  } catch (error) {
+    if (signal?.aborted) throw error;
+    const message = "The studio does not answer. Check that it is running, then try again.";
+    throw new ApiError({ status: 0, code: "unreachable", message });
+  }
+  if (!response.ok) throw await refusal(response);
+  return response.status === 204 ? null : response.json();
+}
+
+/**
+ * @param {Response} response
+ * @returns {Promise<ApiError>}
+ */
+async function refusal(response) {
+  const { status } = response;
+  const body = await response.json().catch(() => null);
+  if (body?.error?.message) return new ApiError({ status, ...body.error });
+  const message = `The studio answered with status ${status}. Try again; if it stays so, look at its log.`;
+  return new ApiError({ status, code: `http_${status}`, message });
+}
+
+/** @param {unknown} error @returns {boolean} true where a newer request took its place */
+export const isAbort = (error) => error instanceof DOMException && error.name === "AbortError";
+
+/** @param {unknown} error @returns {string} */
+export const messageOf = (error) => (error instanceof Error ? error.message : String(error));
+
+// Pads
+
+/**
+ * @param {PadSpec} spec
+ * @param {AbortSignal} signal
+ * @returns {Promise<{pad: PadFile, verification: Record<string, unknown>}>}
+ */
+export const previewPad = (spec, signal) =>
+  request("POST", "/pads/preview", { json: spec, signal });
+
+/** @param {PadSpec} spec @returns {Promise<PadSummary>} */
+export const createPad = (spec) => request("POST", "/pads", { json: spec });
+
+/** @param {File} file @returns {Promise<PadSummary>} */
+export const importPad = (file) => request("POST", "/pads/import", { form: { file } });
+
+/** @returns {Promise<{items: PadSummary[], total: number}>} */
+export const listPads = () => request("GET", "/pads?limit=100");
+
+/** @param {string} id @returns {Promise<PadSummary & {pad: PadFile}>} */
+export const getPad = (id) => request("GET", `/pads/${encodeURIComponent(id)}`);
+
+/** @param {string} id */
+export const deletePad = (id) => request("DELETE", `/pads/${encodeURIComponent(id)}`);
+
+/**
+ * Address of a pad in a file's form.
+ * @param {string} id
+ * @param {"json" | "pdf" | "svg" | "png"} kind
+ * @returns {string}
+ */
+export const padFileUrl = (id, kind) =>
+  `${ROOT}/pads/${encodeURIComponent(id)}/files/pad.${kind}`;
+
+// Cameras
+
+/** @returns {Promise<{presets: CameraSummary[], stored: CameraSummary[]}>} */
+export async function listCameras() {
+  const [presets, stored] = await Promise.all([
+    request("GET", "/cameras/presets"),
+    request("GET", "/cameras"),
+  ]);
+  return { presets: presets.items, stored: stored.items };
+}
+
+/** @param {File} file @returns {Promise<CameraSummary>} */
+export const importCamera = (file) => request("POST", "/cameras", { form: { file } });
+
+// Detection
+
+/**
+ * @typedef {import("./detectionLogic.js").DetectAnswer} DetectAnswer
+ *
+ * @param {{image: File, pad: string, camera: string, method: string}} job
+ * @param {AbortSignal} signal
+ * @returns {Promise<DetectAnswer>}
+ */
+export const detect = ({ image, pad, camera, method }, signal) =>
+  request("POST", "/detect", { form: { image, pad, camera, method, trace: "true" }, signal });
+
+/** @param {string} traceId @returns {Promise<DetectAnswer>} */
+export const getDetection = (traceId) =>
+  request("GET", `/detect/${encodeURIComponent(traceId)}`);

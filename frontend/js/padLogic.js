@@ -1,0 +1,166 @@
+/**
+ * A pad as the page draws it, from the codes of a pad file.
+ *
+ * @typedef {"red" | "green" | "blue"} Channel
+ *
+ * @typedef {object} LayerView
+ * @property {Channel} channel
+ * @property {number} rows
+ * @property {number} cols
+ * @property {number} cellMm
+ * @property {Uint8Array} levels  row by row
+ *
+ * @typedef {object} PadView
+ * @property {string} name
+ * @property {number} window
+ * @property {number} levels
+ * @property {number} quietMm
+ * @property {number} widthMm  without the quiet margin
+ * @property {number} heightMm
+ * @property {LayerView[]} layers
+ *
+ * @typedef {object} PadFile
+ * @property {string} name
+ * @property {number} window
+ * @property {number} levels
+ * @property {number} [quiet_mm]
+ * @property {{channel: Channel, cell_mm: number, codes: string[]}[]} layers
+ *
+ * @typedef {object} CellPlace
+ * @property {LayerView} layer
+ * @property {number} row
+ * @property {number} col
+ * @property {number} level
+ */
+
+/**
+ * @param {PadFile} file
+ * @returns {PadView}
+ */
+export function viewOfPad(file) {
+  const layers = file.layers.map((layer) => ({
+    channel: layer.channel,
+    rows: layer.codes.length,
+    cols: layer.codes[0].length,
+    cellMm: layer.cell_mm,
+    levels: levelsOf(layer.codes),
+  }));
+  return {
+    name: file.name,
+    window: file.window,
+    levels: file.levels,
+    quietMm: file.quiet_mm ?? 0,
+    widthMm: Math.max(...layers.map((layer) => layer.cols * layer.cellMm)),
+    heightMm: Math.max(...layers.map((layer) => layer.rows * layer.cellMm)),
+    layers,
+  };
+}
+
+/**
+ * @param {string[]} codes  rows of base-36 digits
+ * @returns {Uint8Array}
+ */
+function levelsOf(codes) {
+  const levels = new Uint8Array(codes.length * codes[0].length);
+  let place = 0;
+  for (const row of codes) {
+    for (const digit of row) levels[place++] = Number.parseInt(digit, 36);
+  }
+  return levels;
+}
+
+/**
+ * RGBA pixels of one layer, one pixel a cell; the other channels are dark.
+ * @param {LayerView} layer
+ * @param {number} levels  Y of the pad
+ * @returns {Uint8ClampedArray<ArrayBuffer>}
+ */
+export function layerPixels(layer, levels) {
+  const pixels = new Uint8ClampedArray(layer.levels.length * 4);
+  const offset = { red: 0, green: 1, blue: 2 }[layer.channel];
+  layer.levels.forEach((level, place) => {
+    pixels[4 * place + offset] = Math.round((level * 255) / (levels - 1));
+    pixels[4 * place + 3] = 255;
+  });
+  return pixels;
+}
+
+/**
+ * The layers that a view shows, the finest first.
+ * @param {PadView} pad
+ * @param {string} view  "print" or a channel
+ * @returns {LayerView[]}
+ */
+export function layersOfView(pad, view) {
+  const shown = view === "print" ? pad.layers : pad.layers.filter((l) => l.channel === view);
+  return [...shown].sort((a, b) => a.cellMm - b.cellMm);
+}
+
+/**
+ * The cell at a place on the page.
+ * @param {LayerView} layer
+ * @param {number} x  mm from the pad's left edge
+ * @param {number} y  mm from the pad's top edge
+ * @param {PadView} pad
+ * @returns {CellPlace | null}
+ */
+export function cellAt(layer, x, y, pad) {
+  const col = Math.floor((x - pad.quietMm) / layer.cellMm);
+  const row = Math.floor((y - pad.quietMm) / layer.cellMm);
+  if (col < 0 || row < 0 || col >= layer.cols || row >= layer.rows) return null;
+  return { layer, row, col, level: layer.levels[row * layer.cols + col] };
+}
+
+/**
+ * The top-left cell of the b × b window round a cell, moved inside the layer at its borders.
+ * @param {CellPlace} cell
+ * @param {number} b
+ * @returns {{row: number, col: number}}
+ */
+export function windowRound(cell, b) {
+  const start = (/** @type {number} */ at, /** @type {number} */ count) =>
+    Math.max(0, Math.min(at - Math.floor((b - 1) / 2), count - b));
+  return { row: start(cell.row, cell.layer.rows), col: start(cell.col, cell.layer.cols) };
+}
+
+/**
+ * A window's code: the base-Y number of its cells, row by row.
+ * @param {LayerView} layer
+ * @param {number} row
+ * @param {number} col
+ * @param {number} b
+ * @param {number} levels
+ * @returns {bigint}
+ */
+export function windowCode(layer, row, col, b, levels) {
+  let code = 0n;
+  for (let r = row; r < row + b; r += 1) {
+    for (let c = col; c < col + b; c += 1) {
+      code = code * BigInt(levels) + BigInt(layer.levels[r * layer.cols + c]);
+    }
+  }
+  return code;
+}
+
+/**
+ * Where a place on the page lies in the pad frame: origin at the pad's centre, Y up.
+ * @param {PadView} pad
+ * @param {number} x  page mm, quiet margin included
+ * @param {number} y
+ * @returns {{x: number, y: number}}  mm
+ */
+export function padFrame(pad, x, y) {
+  return { x: x - pad.quietMm - pad.widthMm / 2, y: pad.heightMm / 2 - (y - pad.quietMm) };
+}
+
+/**
+ * Share of cells at each level.
+ * @param {LayerView} layer
+ * @param {number} levels
+ * @returns {number[]}
+ */
+export function levelShares(layer, levels) {
+  const counts = new Array(levels).fill(0);
+  for (const level of layer.levels) counts[level] += 1;
+  return counts.map((count) => count / layer.levels.length);
+}
