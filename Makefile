@@ -8,9 +8,6 @@ STAMPS := $(VENV)/.stamps
 BASE_PYTHON ?= $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 
-HOST ?= 127.0.0.1
-PORT ?= 8000
-DATA ?= data
 ARGS ?=
 
 .DEFAULT_GOAL := help
@@ -18,7 +15,7 @@ ARGS ?=
 
 help:
 	@echo 'make install   set up $(VENV) with the locked dependencies'
-	@echo 'make run       serve the studio on http://$(HOST):$(PORT)   (HOST=, PORT=, DATA=)'
+	@echo 'make run       serve the studio on http://127.0.0.1:8000   (ARGS="--port 9000")'
 	@echo 'make test      check, then all tests, those in a browser included   (ARGS="-k camera")'
 	@echo 'make check     lint, formatting and types'
 	@echo 'make bench     benchmarks'
@@ -46,7 +43,7 @@ $(STAMPS)/package: pyproject.toml $(STAMPS)/lock
 	@touch $@
 
 run: install
-	@exec $(VENV)/bin/padstudio serve --host $(HOST) --port $(PORT) --data $(DATA)
+	@exec $(VENV)/bin/padstudio serve $(ARGS)
 
 check: install
 	$(VENV)/bin/ruff check .
