@@ -1,0 +1,165 @@
+"""One picture through the detector, in a worker process: the answer and the stage pictures."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, get_args
+
+import cv2
+import numpy as np
+
+from padstudio.errors import ImageError
+from padstudio.flights import images
+from padstudio.geometry import camera_files
+from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Channel
+from padstudio.vision import overlays
+from padstudio.vision.pipeline import Detector
+from padstudio.vision.types import Detection, Image, Method, StageRecord, Trace
+
+METHODS: tuple[Method, ...] = get_args(Method)
+RESULT_PICTURE = "result.png"
+THUMBNAIL_PREFIX = "small-"
+THUMBNAIL_WIDTH_PX = 480
+
+
+@dataclass(frozen=True)
+class Job:
+    """One picture and how to read it.
+
+    Attributes
+    ----------
+    image : bytes
+        The picture's file.
+    source : str
+        Its name, for the record.
+    pad, camera : str
+        The content of a pad file and of a camera file.
+    method : {"dense", "paper"}
+    max_pixels : int
+        Limit on the picture.
+    pictures : Path or None
+        An empty folder for the stage pictures; None where no trace is wanted.
+    """
+
+    image: bytes
+    source: str
+    pad: str
+    camera: str
+    method: Method
+    max_pixels: int
+    pictures: Path | None = None
+
+
+def analyze(job: Job) -> dict[str, Any]:
+    """Decode, detect, and paint the stages where asked.
+
+    Returns
+    -------
+    dict
+        ``result`` (a line of a poses file), ``image`` (width, height), ``camera_scale``, and
+        ``stages``: None, or a list of name, channel, elapsed_ms, failure, and ``picture``, the
+        name of a file in the folder or None.
+
+    Raises
+    ------
+    ImageError, LimitError
+        If the picture cannot be read.
+    CameraMismatchError
+        If it is not of the camera's aspect.
+    """
+    image = images.decode(job.image, job.max_pixels)
+    height, width = image.shape[:2]
+    detector = _detector(job.pad, job.camera, job.method)
+    camera = detector.camera.for_frame(width, height)
+    detection = detector.detect(image, trace=job.pictures is not None)
+    stages = None
+    if job.pictures is not None and detection.trace is not None:
+        stages = _paint(detection.trace, detection, job.pictures)
+    return {
+        "result": detection.to_record(job.source),
+        "image": {"width": width, "height": height},
+        "camera_scale": camera.scale,
+        "stages": stages,
+    }
+
+
+# The index of a large pad takes longer to build than a picture to read.
+@lru_cache(maxsize=4)
+def _detector(pad: str, camera: str, method: Method) -> Detector:
+    return Detector(pad_files.loads(pad), camera_files.loads(camera), method=method)
+
+
+def _paint(trace: Trace, detection: Detection, folder: Path) -> list[dict[str, Any]]:
+    records = list(_last_runs(trace.records).values())
+    # OpenCV lets go of the interpreter while it encodes.
+    with ThreadPoolExecutor(2) as threads:
+        result = threads.submit(_save, folder, RESULT_PICTURE, trace, detection)
+        painted = threads.map(lambda record: _save_stage(folder, trace, record), records)
+        stages = [
+            {
+                "name": record.name,
+                "channel": record.channel,
+                "elapsed_ms": round(record.elapsed_ms, 3),
+                "failure": _failure(record),
+                "picture": picture,
+            }
+            for record, picture in zip(records, painted, strict=True)
+        ]
+        result.result()
+    return stages
+
+
+def _last_runs(records: tuple[StageRecord, ...]) -> dict[tuple[str, Channel | None], StageRecord]:
+    """A detector may run a stage again; the last run is shown, in the first one's place."""
+    return {(record.name, record.channel): record for record in records}
+
+
+def _failure(record: StageRecord) -> dict[str, str] | None:
+    failure = record.failure
+    if failure is None:
+        return None
+    return {
+        "stage": failure.stage,
+        "reason": str(failure.reason),
+        "detail": failure.detail,
+        "advice": failure.advice,
+    }
+
+
+def _save_stage(folder: Path, trace: Trace, record: StageRecord) -> str | None:
+    picture = overlays.stage_picture(trace, record.name, record.channel)
+    if picture is None:
+        return None
+    name = f"{record.channel}-{record.name}.png" if record.channel else f"{record.name}.png"
+    _write(folder, name, picture)
+    return name
+
+
+def _save(folder: Path, name: str, trace: Trace, detection: Detection) -> None:
+    _write(folder, name, overlays.result_picture(trace, detection))
+
+
+def _write(folder: Path, name: str, picture: Image) -> None:
+    """Write a picture and its thumbnail as PNG."""
+    if picture.ndim == 3 and not np.ptp(picture[::7, ::7].astype(np.int16), axis=2).any():
+        # Most stages are grey in three channels; one is a third of the work.
+        grey = picture[:, :, 0]
+        if all(np.array_equal(grey, picture[:, :, plane]) for plane in (1, 2)):
+            picture = np.ascontiguousarray(grey)
+    _encode(folder / name, picture)
+    height, width = picture.shape[:2]
+    if width > THUMBNAIL_WIDTH_PX:
+        size = (THUMBNAIL_WIDTH_PX, max(1, round(height * THUMBNAIL_WIDTH_PX / width)))
+        picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+    _encode(folder / (THUMBNAIL_PREFIX + name), picture)
+
+
+def _encode(path: Path, picture: Image) -> None:
+    done, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    if not done:
+        raise ImageError("a stage's picture could not be encoded as PNG")
+    path.write_bytes(data.tobytes())

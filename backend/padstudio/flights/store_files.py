@@ -1,0 +1,83 @@
+"""The data folder: who may use it, and where its files lie."""
+
+from __future__ import annotations
+
+import fcntl
+import shutil
+import tempfile
+from pathlib import Path
+from typing import IO
+
+from padstudio.errors import ConflictError, StorageError
+
+
+class DataFolder:
+    """A folder that one process at a time may use.
+
+    Parameters
+    ----------
+    root : Path
+        Made, for its owner's eyes alone, where it is missing.
+
+    Attributes
+    ----------
+    root : Path
+    traces : Path
+        One folder of pictures a trace.
+    work : Path
+        Work in progress; emptied when the folder is opened.
+
+    Raises
+    ------
+    StorageError
+        If it cannot be made or written.
+    ConflictError
+        If another process uses it.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root, self.traces, self.work = root, root / "traces", root / "work"
+        try:
+            root.mkdir(mode=0o700, parents=True, exist_ok=True)
+            self.traces.mkdir(exist_ok=True)
+            self.work.mkdir(exist_ok=True)
+            self._lock: IO[bytes] = (root / "lock").open("ab")
+        except OSError as error:
+            raise StorageError(
+                f"cannot use the data folder {root}: {error.strerror}; choose another with --data "
+                "or PADSTUDIO_DATA"
+            ) from error
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            self._lock.close()
+            raise ConflictError(
+                f"another Pad Studio uses the data folder {root}; stop it, or choose another "
+                "folder with --data",
+                code="data_folder_in_use",
+            ) from error
+        # Whatever an earlier process left half done.
+        keep_only(self.work, frozenset())
+
+    def close(self) -> None:
+        """Let another process use the folder."""
+        self._lock.close()
+
+    def work_folder(self) -> Path:
+        """A new empty folder in `work`; the caller removes or moves it."""
+        return Path(tempfile.mkdtemp(dir=self.work))
+
+
+def keep_only(folder: Path, names: frozenset[str]) -> None:
+    """Remove everything in a folder but some names."""
+    for entry in folder.iterdir():
+        if entry.name not in names:
+            remove(entry)
+
+
+def remove(path: Path) -> None:
+    """Remove a file or a folder; it may be gone already."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)

@@ -1,0 +1,95 @@
+"""The web application: REST under /api/v1, the pages, the pages' files."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+from fastapi.staticfiles import StaticFiles
+from starlette.responses import Response
+from starlette.types import Scope
+
+from padstudio import __version__, resources
+from padstudio.errors import SpecError
+from padstudio.flights import analysis
+from padstudio.flights.store import Store
+from padstudio.flights.workers import WorkerPool
+from padstudio.web import cameras, detect, errors, health, pads, pages
+from padstudio.web.security import Guard
+from padstudio.web.services import Analyze, Services
+from padstudio.web.settings import Settings, load_settings
+
+API = "/api/v1"
+_DESCRIPTION = (
+    "Design pads, and find them in pictures. Every error has one shape, `ErrorBody`. A server "
+    "that asks for a token takes it as `Authorization: Bearer <token>` or `?token=<token>`."
+)
+
+
+class RevalidatedFiles(StaticFiles):
+    """Files that a browser may keep, but asks about before it uses them."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        response = await super().get_response(path, scope)
+        response.headers["Cache-Control"] = "no-cache"
+        return response
+
+
+def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.analyze) -> FastAPI:
+    """Build the application; the data folder is opened when it starts to serve.
+
+    Parameters
+    ----------
+    settings : Settings or None
+        None reads the environment.
+    analyze : callable
+        Importable by name; runs in worker processes.
+
+    Raises
+    ------
+    SpecError
+        If the settings open the server to the network without a token.
+    """
+    settings = settings or load_settings()
+    if settings.lacks_token:
+        raise SpecError(
+            f"host {settings.host} can be reached from outside: set a token (PADSTUDIO_TOKEN), or "
+            "listen on 127.0.0.1",
+            code="invalid_setting",
+        )
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        store = Store(
+            settings.data,
+            settings.database_url,
+            keep_traces=settings.keep_traces,
+            keep_trace_bytes=settings.keep_trace_bytes,
+        )
+        pool = WorkerPool(settings.workers, settings.worker_memory_bytes, settings.max_waiting)
+        app.state.services = Services(settings, store, pool, analyze)
+        try:
+            yield
+        finally:
+            pool.close()
+            store.close()
+
+    app = FastAPI(
+        title="Pad Studio",
+        version=__version__,
+        description=_DESCRIPTION,
+        openapi_url=f"{API}/openapi.json",
+        # FastAPI's own documentation pages load scripts from another host.
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+    )
+    app.state.settings = settings
+    errors.install(app)
+    app.add_middleware(Guard, settings=settings)
+    for resource in (health, pads, cameras, detect):
+        app.include_router(resource.router, prefix=API)
+    app.include_router(pages.router)
+    app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")
+    return app

@@ -1,0 +1,77 @@
+"""The pages: each is a template with a small dataclass as its context."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fastapi import APIRouter, Request
+from fastapi.templating import Jinja2Templates
+from starlette.responses import RedirectResponse, Response
+
+from padstudio import __version__, resources
+from padstudio.web.settings import Settings
+
+router = APIRouter(include_in_schema=False)
+templates = Jinja2Templates(directory=resources.web_folder("templates"))
+
+# A page changes with the program alone; the browser asks each time whether it has.
+_HEADERS = {"Cache-Control": "no-cache"}
+
+
+@dataclass(frozen=True)
+class Page:
+    """Context of a page of the studio.
+
+    Attributes
+    ----------
+    name : str
+        ``design`` or ``diagnose``; also the template's name.
+    version : str
+    max_upload_bytes, max_image_pixels : int
+        Limits to check before a picture is sent.
+    """
+
+    name: str
+    max_upload_bytes: int
+    max_image_pixels: int
+    version: str = __version__
+
+
+@dataclass(frozen=True)
+class ErrorPage:
+    """Context of the error page."""
+
+    status: int
+    title: str
+    message: str
+    name: str = "error"
+    version: str = __version__
+
+
+@router.get("/")
+def home() -> Response:
+    return RedirectResponse("/design", 307, headers=_HEADERS)
+
+
+@router.get("/design")
+def design(request: Request) -> Response:
+    return _page(request, "design")
+
+
+@router.get("/diagnose")
+def diagnose(request: Request) -> Response:
+    return _page(request, "diagnose")
+
+
+def error_page(request: Request, status: int, title: str, message: str) -> Response:
+    """The page that says why another cannot be shown."""
+    page = ErrorPage(status, title, message[:1].upper() + message[1:])
+    return templates.TemplateResponse(
+        request, "error.html", {"page": page}, status, headers={"Cache-Control": "no-store"}
+    )
+
+
+def _page(request: Request, name: str) -> Response:
+    settings: Settings = request.app.state.settings
+    page = Page(name, settings.max_upload_bytes, settings.max_image_pixels)
+    return templates.TemplateResponse(request, f"{name}.html", {"page": page}, headers=_HEADERS)

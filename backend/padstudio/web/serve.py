@@ -1,0 +1,112 @@
+"""Runs the server: the address to open, a graceful end."""
+
+from __future__ import annotations
+
+import errno
+import secrets
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+from padstudio.errors import StudioError
+from padstudio.web.settings import Settings, load_settings
+
+# Open requests get this long to finish after Ctrl-C.
+_GRACE_S = 5
+
+
+class ServeError(StudioError):
+    """The server cannot listen where it was told to."""
+
+    code = "cannot_listen"
+
+
+def serve(
+    host: str | None = None,
+    port: int | None = None,
+    data: Path | None = None,
+    token: str | None = None,
+    *,
+    announce: Callable[[str], None] = print,
+) -> None:
+    """Serve until interrupted.
+
+    Parameters
+    ----------
+    host, port, data, token
+        Instead of the environment's or the default settings; without a token, one is made up
+        where the host is not loopback.
+    announce : callable
+        Called with the address to open, once the server listens.
+
+    Raises
+    ------
+    StudioError
+        If a setting is wrong, the port is taken, or the data folder cannot be used.
+    """
+    settings = load_settings(host=host, port=port, data=data, token=token)
+    if settings.lacks_token:
+        settings = settings.model_copy(update={"token": secrets.token_urlsafe(32)})
+    with _listen(settings) as listener:
+        _run(settings, listener, announce)
+
+
+def _listen(settings: Settings) -> socket.socket:
+    try:
+        info = socket.getaddrinfo(
+            settings.host, settings.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listener = socket.socket(info[0], info[1])
+        try:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind(info[4])
+        except OSError:
+            listener.close()
+            raise
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            raise ServeError(
+                f"port {settings.port} is in use; stop what listens there, or choose another with "
+                "--port (0 takes a free one)",
+                code="port_in_use",
+            ) from error
+        raise ServeError(
+            f"cannot listen on {settings.host} port {settings.port}: {error.strerror or error}"
+        ) from error
+    return listener
+
+
+def _run(settings: Settings, listener: socket.socket, announce: Callable[[str], None]) -> None:
+    import uvicorn
+
+    from padstudio.web.app import create_app
+
+    address = _address(settings, listener.getsockname()[1])
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+            await super().startup(sockets)
+            if self.started and not self.should_exit:
+                announce(address)
+
+    config = uvicorn.Config(
+        create_app(settings),
+        log_level="warning",
+        # An access log would hold the token of the first address.
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        lifespan="on",
+        timeout_graceful_shutdown=_GRACE_S,
+    )
+    Server(config).run(sockets=[listener])
+
+
+def _address(settings: Settings, port: int) -> str:
+    """What to open in a browser on this machine."""
+    host = settings.host
+    if host in ("0.0.0.0", "::"):
+        host = "127.0.0.1"
+    shown = f"[{host}]" if ":" in host else host
+    query = f"/?token={settings.token}" if settings.token else ""
+    return f"http://{shown}:{port}{query}"

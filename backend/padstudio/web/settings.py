@@ -1,0 +1,136 @@
+"""Every setting and limit of the server, in one class.
+
+Each is read from the environment as ``PADSTUDIO_<NAME>``; docs/settings.md lists them, and a test
+holds that list to this class.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import sys
+from pathlib import Path
+
+from pydantic import Field, ValidationError, field_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from padstudio.errors import SpecError
+from padstudio.pad import spec
+
+MB = 1_000_000
+
+
+def default_data_folder() -> Path:
+    """The user's own folder for application data, by the platform's custom."""
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "padstudio"
+    base = os.environ.get("XDG_DATA_HOME")
+    return (Path(base) if base else Path.home() / ".local" / "share") / "padstudio"
+
+
+def is_loopback(host: str) -> bool:
+    """True for ``localhost`` and the loopback addresses."""
+    if host.lower() == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
+
+
+class Settings(BaseSettings):
+    """Settings of one server; immutable once made."""
+
+    model_config = SettingsConfigDict(env_prefix="PADSTUDIO_", frozen=True, extra="forbid")
+
+    host: str = Field("127.0.0.1", description="Address to listen on.")
+    port: int = Field(8000, ge=0, le=65535, description="TCP port; 0 takes a free one.")
+    token: str | None = Field(
+        None,
+        min_length=16,
+        max_length=200,
+        pattern=r"^[A-Za-z0-9_.~-]+$",
+        description="Secret that every request must carry; required unless bound to loopback.",
+        repr=False,
+    )
+    allowed_hosts: tuple[str, ...] = Field(
+        (),
+        description="Further host names to answer to without a token, as a JSON list; for a "
+        "reverse proxy that checks users itself.",
+    )
+    data: Path = Field(
+        default_factory=default_data_folder,
+        description="Data folder: database, pads, cameras, traces.",
+    )
+    database_url: str | None = Field(
+        None,
+        description="SQLAlchemy URL of another database than SQLite in the data folder.",
+        repr=False,
+    )
+
+    workers: int = Field(2, ge=1, le=64, description="Processes that decode, detect and generate.")
+    worker_memory_bytes: int = Field(
+        3_000 * MB, ge=500 * MB, description="Memory each of them may take (Linux)."
+    )
+    max_waiting: int = Field(16, ge=0, le=1000, description="Requests that may wait for a process.")
+    detect_seconds: float = Field(60, gt=0, le=3600, description="Time for one image.")
+    generate_seconds: float = Field(60, gt=0, le=3600, description="Time to generate one pad.")
+    paint_seconds: float = Field(120, gt=0, le=3600, description="Time to paint one file.")
+
+    max_request_bytes: int = Field(
+        100_000, ge=1000, description="Largest request body that is no file upload."
+    )
+    max_upload_bytes: int = Field(
+        64 * MB, ge=1000, le=2000 * MB, description="Largest upload of an image or a pad file."
+    )
+    max_camera_bytes: int = Field(4 * MB, ge=1000, description="Largest camera file.")
+    # Pillow warns above 89 megapixels by itself, hence the upper end.
+    max_image_pixels: int = Field(
+        50_000_000, ge=10_000, le=80_000_000, description="Most pixels of an uploaded image."
+    )
+    max_paint_pixels: int = Field(
+        400_000_000, ge=10_000, le=1_000_000_000, description="Most pixels of a painted PNG."
+    )
+    max_window: int = Field(
+        spec.MAX_WINDOW, ge=2, le=spec.MAX_WINDOW, description="Largest window b of a new pad."
+    )
+    max_levels: int = Field(
+        spec.MAX_LEVELS, ge=2, le=spec.MAX_LEVELS, description="Most levels Y of a new pad."
+    )
+    max_cells: int = Field(
+        spec.MAX_CELLS, ge=2, le=spec.MAX_CELLS, description="Most rows or columns of a new pad."
+    )
+    keep_traces: int = Field(200, ge=1, description="Traces kept; the oldest go first.")
+    keep_trace_bytes: int = Field(
+        4_000 * MB, ge=10 * MB, description="Disk that the kept traces may take together."
+    )
+
+    @field_validator("data")
+    @classmethod
+    def _absolute(cls, value: Path) -> Path:
+        return value.expanduser().absolute()
+
+    @property
+    def lacks_token(self) -> bool:
+        """True where anybody on the network could ask, and nothing tells who may."""
+        return self.token is None and not is_loopback(self.host) and not self.allowed_hosts
+
+
+def load_settings(**overrides: object) -> Settings:
+    """Settings from the environment, with overrides that are not None.
+
+    Raises
+    ------
+    SpecError
+        If one is unknown or out of range, naming it.
+    """
+    given = {name: value for name, value in overrides.items() if value is not None}
+    try:
+        return Settings(**given)  # type: ignore[arg-type]
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False)[0]
+        name = "_".join(str(part) for part in first["loc"])
+        place = f"setting {name} (PADSTUDIO_{name.upper()}): " if name else ""
+        raise SpecError(
+            place + first["msg"].removeprefix("Value error, "), code="invalid_setting"
+        ) from error
