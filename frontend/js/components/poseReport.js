@@ -1,0 +1,106 @@
+/**
+ * The outcome of one picture: verdict, pose in words and numbers, or where and why it failed.
+ *
+ * @typedef {import("../queueLogic.js").Frame} Frame
+ * @typedef {import("../queueLogic.js").DetectAnswer} DetectAnswer
+ * @typedef {import("../stagesLogic.js").Failure} Failure
+ */
+
+import { evidenceFacts, poseFacts, poseInWords, verdict } from "../poseLogic.js";
+import { failures, reasonInWords, stageTitle } from "../stagesLogic.js";
+import { mountFacts } from "./facts.js";
+
+/**
+ * @param {HTMLElement} root
+ * @param {{onEnlarge: () => void, onCopy: () => void}} events
+ */
+export function mountPoseReport(root, { onEnlarge, onCopy }) {
+  const find = (/** @type {string} */ name) =>
+    /** @type {HTMLElement} */ (root.querySelector(`[data-ref=${name}]`));
+  const template = /** @type {HTMLTemplateElement} */ (root.querySelector("template"));
+  const image = /** @type {HTMLImageElement} */ (find("picture"));
+  const pose = mountFacts(find("pose-facts"));
+  const evidence = mountFacts(find("evidence-facts"));
+  find("enlarge").addEventListener("click", onEnlarge);
+  find("copy").addEventListener("click", onCopy);
+
+  /** @param {string | null} channel @param {Failure} failure */
+  function failureOf(channel, failure) {
+    const item = /** @type {HTMLElement} */ (
+      /** @type {DocumentFragment} */ (template.content.cloneNode(true)).firstElementChild
+    );
+    const part = (/** @type {string} */ name) =>
+      /** @type {HTMLElement} */ (item.querySelector(`[data-ref=${name}]`));
+    part("channel").textContent = channel ?? "";
+    part("channel").className = channel ? `channel channel-${channel}` : "";
+    part("where").textContent = `${stageTitle(failure.stage)}: ${reasonInWords(failure.reason)}`;
+    part("detail").textContent = failure.detail;
+    part("advice").textContent = failure.advice ? `Try: ${failure.advice}` : "";
+    return item;
+  }
+
+  /** @param {DetectAnswer} answer */
+  function failureItems({ result, trace }) {
+    const found = failures(trace?.stages ?? []);
+    const { stage = "", reason = "", detail = "", advice } = result;
+    const isListed = found.some((each) => each.failure.detail === detail && each.failure.stage === stage);
+    if (result.status === "failed" && !isListed) {
+      found.unshift({ channel: null, failure: { stage, reason, detail, advice } });
+    }
+    return found.map(({ channel, failure }) => failureOf(channel, failure));
+  }
+
+  /** @param {DetectAnswer} answer */
+  function fill(answer) {
+    const { result, trace } = answer;
+    const isOk = result.status === "ok";
+    find("words").replaceChildren(
+      ...(isOk ? poseInWords(result) : []).map((sentence) =>
+        Object.assign(document.createElement("p"), { textContent: sentence }),
+      ),
+    );
+    const items = failureItems(answer);
+    find("failures").hidden = !items.length;
+    find("failures-title").textContent = isOk ? "What was not read" : "Where it failed";
+    find("failure-list").replaceChildren(...items);
+    find("figures").hidden = !isOk;
+    pose.update(isOk ? poseFacts(result) : []);
+    evidence.update(isOk ? evidenceFacts(result) : []);
+    const url = trace?.result_picture ?? null;
+    find("enlarge").hidden = !url;
+    if (url) {
+      image.width = answer.image.width;
+      image.height = answer.image.height;
+      if (image.getAttribute("src") !== url) image.src = url;
+    }
+  }
+
+  return {
+    /** @param {{frame: Frame | null, notes: string[]}} state */
+    update({ frame, notes }) {
+      root.hidden = !frame;
+      if (!frame) return;
+      const { answer, status } = frame;
+      root.dataset.status = status;
+      find("source").textContent = frame.name;
+      find("verdict").textContent = headline(frame);
+      find("busy").hidden = status !== "running";
+      find("body").hidden = !answer;
+      find("copy").hidden = !answer;
+      find("refusal").textContent = status === "refused" ? frame.message : "";
+      find("notes").replaceChildren(
+        ...notes.map((text) =>
+          Object.assign(document.createElement("p"), { className: "notice notice-warn", textContent: text }),
+        ),
+      );
+      if (answer) fill(answer);
+    },
+  };
+}
+
+/** @param {Frame} frame @returns {string} */
+function headline(frame) {
+  if (frame.answer) return verdict(frame.answer.result);
+  if (frame.status === "refused") return "The picture was not read";
+  return frame.status === "running" ? "Reading the picture …" : "Waiting";
+}

@@ -1,0 +1,289 @@
+/**
+ * The controller of the Diagnose page: it alone holds the page's state.
+ *
+ * @typedef {import("./queueLogic.js").Frame} Frame
+ * @typedef {import("./viewportLogic.js").Viewport} Viewport
+ *
+ * @typedef {object} State
+ * @property {import("./api.js").PadSummary[]} pads
+ * @property {import("./api.js").CameraSummary[]} stored  cameras
+ * @property {import("./api.js").CameraSummary[]} presets
+ * @property {string} pad  chosen id
+ * @property {string} camera  chosen id
+ * @property {string} method
+ * @property {Frame[]} frames
+ * @property {string | null} selectedId
+ * @property {string | null} stage  enlarged
+ * @property {string} wish  the channel that is enlarged, or "both"
+ * @property {Viewport | null} viewport  of the enlarged picture
+ * @property {import("./components/status.js").Status} status
+ */
+
+import { readAddress, writeAddress } from "./address.js";
+import * as api from "./api.js";
+import { mountChoice } from "./components/choice.js";
+import { mountDropZone } from "./components/dropZone.js";
+import { mountFrameList } from "./components/frameList.js";
+import { mountLightbox } from "./components/lightbox.js";
+import { mountPoseReport } from "./components/poseReport.js";
+import { mountStageGrid } from "./components/stageGrid.js";
+import { mountStatus } from "./components/status.js";
+import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } from "./diagnoseLogic.js";
+import * as queue from "./queueLogic.js";
+import { arrangeStages, resultCards } from "./stagesLogic.js";
+import { viewportFromText, viewportToText } from "./viewportLogic.js";
+
+const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+const address = readAddress();
+const maxBytes = Number(byId("drop-zone").dataset.maxBytes);
+
+/** @type {State} */
+const state = {
+  pads: [],
+  stored: [],
+  presets: [],
+  pad: address.get("pad") ?? "",
+  camera: address.get("camera") ?? "",
+  method: address.get("method") === "paper" ? "paper" : "dense",
+  frames: [],
+  selectedId: null,
+  stage: address.get("stage"),
+  wish: address.get("channel") ?? "both",
+  viewport: viewportFromText(address.get("at")),
+  status: null,
+};
+
+const padChoice = mountChoice(byId("pad-choice"), {
+  onChoose: (pad) => rerun({ pad }),
+  onFile: (file) => void takePad(file),
+});
+const cameraChoice = mountChoice(byId("camera-choice"), {
+  onChoose: (camera) => rerun({ camera }),
+  onFile: (file) => void takeCamera(file),
+});
+mountDropZone(byId("drop-zone"), { onFiles: (files) => void takeFiles(files) });
+const frameList = mountFrameList(byId("frames"), { onSelect, onRemove });
+const report = mountPoseReport(byId("report"), {
+  onEnlarge: () => set({ stage: "result", viewport: null }),
+  onCopy: () => void copyRecord(),
+});
+const grid = mountStageGrid(byId("stages"), {
+  onOpen: (stage, channel) => set({ stage, wish: channel ?? state.wish, viewport: null }),
+});
+const lightbox = mountLightbox(byId("lightbox"), {
+  onStage: (stage) => set({ stage, ...(stage ? {} : { viewport: null }) }),
+  onWish: (wish) => set({ wish }),
+  onViewport: (viewport) => set({ viewport }),
+});
+const status = mountStatus(byId("status"));
+
+/** @type {AbortController | null} */
+let running = null;
+let addressTimer = 0;
+/** Cards are made once an answer, so that pictures do not load anew at every change. */
+const cardsOf = memoize((/** @type {queue.DetectAnswer} */ answer) => arrangeStages(answer.trace?.stages ?? []));
+
+/** @param {Partial<State>} change */
+function set(change) {
+  Object.assign(state, change);
+  render();
+  window.clearTimeout(addressTimer);
+  addressTimer = window.setTimeout(writeState, 200);
+}
+
+function writeState() {
+  const { pad, camera, method, stage, wish, viewport } = state;
+  writeAddress({
+    pad,
+    camera,
+    method: method === "dense" ? null : method,
+    trace: selected()?.answer?.trace?.id ?? null,
+    stage,
+    channel: stage ? wish : null,
+    at: stage ? viewportToText(viewport) : null,
+  });
+}
+
+const selected = () => state.frames.find((frame) => frame.id === state.selectedId) ?? null;
+
+function render() {
+  const frame = selected();
+  const camera = [...state.stored, ...state.presets].find((each) => each.id === state.camera);
+  const pad = state.pads.find((each) => each.id === state.pad);
+  padChoice.update({ groups: padGroups(state.pads), chosen: state.pad, note: padNote(pad) });
+  const groups = cameraGroups(state.stored, state.presets);
+  cameraChoice.update({ groups, chosen: state.camera, note: cameraNote(camera) });
+  for (const input of byId("method").querySelectorAll("input")) {
+    input.checked = input.value === state.method;
+  }
+  frameList.update({ frames: state.frames, selectedId: state.selectedId });
+  report.update({ frame, notes: resultNotes(frame, camera) });
+  const cards = frame?.answer ? cardsOf(frame.answer) : [];
+  grid.update({ cards });
+  const all = [...cards, ...resultCards(frame?.answer?.trace?.result_picture ?? null)];
+  lightbox.update({ cards: all, stage: state.stage, wish: state.wish, viewport: state.viewport });
+  byId("welcome").hidden = state.frames.length > 0;
+  byId("missing").textContent = missing(state);
+  status.update(state.status);
+}
+
+/**
+ * Read every picture again under a new pad, camera or method.
+ * @param {Partial<State>} change
+ */
+function rerun(change) {
+  running?.abort();
+  const frames = queue.requeued(state.frames);
+  const kept = frames.some((frame) => frame.id === state.selectedId);
+  set({ ...change, frames, selectedId: kept ? state.selectedId : (frames[0]?.id ?? null) });
+  void work();
+}
+
+/** Read the waiting pictures one after the other. */
+async function work() {
+  if (running || !state.pad || !state.camera) return;
+  for (;;) {
+    const frame = queue.nextWaiting(state.frames, state.selectedId);
+    if (!frame?.file) break;
+    const mine = new AbortController();
+    running = mine;
+    change(frame.id, { status: "running" });
+    try {
+      const { pad, camera, method } = state;
+      const answer = await api.detect({ image: frame.file, pad, camera, method }, mine.signal);
+      if (!mine.signal.aborted) change(frame.id, { status: answer.result.status, answer });
+    } catch (error) {
+      if (!api.isAbort(error)) refuse(frame.id, api.messageOf(error));
+    }
+  }
+  running = null;
+}
+
+/** @param {string} id @param {Partial<Frame>} values */
+function change(id, values) {
+  set({ frames: queue.withFrame(state.frames, id, values) });
+}
+
+/** @param {string} id @param {string} message */
+function refuse(id, message) {
+  change(id, { status: "refused", message });
+}
+
+/** @param {File[]} files */
+async function takeFiles(files) {
+  for (const file of files) {
+    const head = /\.json$/i.test(file.name) ? await file.slice(0, 400).text() : "";
+    const kind = queue.kindOfFile(file.name, head);
+    if (kind === "pad") await takePad(file);
+    else if (kind === "camera") await takeCamera(file);
+    else addFrame(file);
+  }
+  void work();
+}
+
+/** @param {File} file */
+function addFrame(file) {
+  const frame = queue.newFrame(file);
+  const fault = queue.faultBeforeUpload(file, maxBytes);
+  if (fault) Object.assign(frame, { status: "refused", message: fault });
+  const current = selected();
+  // A picture that is being looked at stays; one that came in vain makes room.
+  const selectedId = current && current.status !== "refused" ? current.id : frame.id;
+  set({ frames: [...state.frames, frame], selectedId, stage: null });
+}
+
+/** @param {File} file */
+const takePad = (file) =>
+  take(file, async () => {
+    const { id, name } = await api.importPad(file);
+    state.pads = (await api.listPads()).items;
+    rerun({ pad: id, status: { kind: "ok", text: `Imported the pad “${name}”.` } });
+  });
+
+/** @param {File} file */
+const takeCamera = (file) =>
+  take(file, async () => {
+    const { id, name } = await api.importCamera(file);
+    Object.assign(state, await api.listCameras());
+    rerun({ camera: id, status: { kind: "ok", text: `Added the camera “${name}”.` } });
+  });
+
+/**
+ * @param {File} file
+ * @param {() => Promise<void>} act
+ */
+async function take(file, act) {
+  set({ status: { kind: "quiet", text: `Sending ${file.name} …` } });
+  try {
+    await act();
+  } catch (error) {
+    set({ status: { kind: "bad", text: `${file.name}: ${api.messageOf(error)}` } });
+  }
+}
+
+/** @param {string} id */
+function onSelect(id) {
+  set({ selectedId: id, stage: null, viewport: null });
+}
+
+/** @param {string} id */
+function onRemove(id) {
+  if (state.frames.find((frame) => frame.id === id)?.status === "running") running?.abort();
+  const frames = state.frames.filter((frame) => frame.id !== id);
+  const selectedId = state.selectedId === id ? (frames[0]?.id ?? null) : state.selectedId;
+  set({ frames, selectedId, stage: null });
+}
+
+async function copyRecord() {
+  try {
+    await navigator.clipboard.writeText(JSON.stringify(selected()?.answer?.result, null, 1));
+    set({ status: { kind: "ok", text: "Copied the record as JSON." } });
+  } catch {
+    set({ status: { kind: "bad", text: "The browser does not allow copying here." } });
+  }
+}
+
+/**
+ * @template {object} K
+ * @template V
+ * @param {(key: K) => V} make
+ * @returns {(key: K) => V}
+ */
+function memoize(make) {
+  /** @type {WeakMap<K, V>} */
+  const made = new WeakMap();
+  return (key) => {
+    if (!made.has(key)) made.set(key, make(key));
+    return /** @type {V} */ (made.get(key));
+  };
+}
+
+/** The result that the address names, so that a reload or a link shows it again. */
+async function restore() {
+  const trace = address.get("trace");
+  if (!trace) return;
+  try {
+    const frame = queue.frameOfAnswer(await api.getDetection(trace));
+    set({ frames: [frame, ...state.frames], selectedId: frame.id });
+  } catch (error) {
+    set({ stage: null, status: { kind: "bad", text: api.messageOf(error) } });
+  }
+}
+
+async function start() {
+  render();
+  try {
+    const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
+    const pad = state.pad || (pads.items[0]?.id ?? "");
+    set({ pads: pads.items, ...cameras, pad });
+  } catch (error) {
+    set({ status: { kind: "bad", text: api.messageOf(error) } });
+  }
+  await restore();
+  void work();
+}
+
+byId("method").addEventListener("change", (/** @type {Event} */ event) => {
+  rerun({ method: /** @type {HTMLInputElement} */ (event.target).value });
+});
+void start();
