@@ -15,7 +15,6 @@ What each kind looks like:
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Mapping
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 
 from padstudio.errors import CameraFormatError
@@ -106,7 +106,7 @@ def to_ros_yaml(camera: Camera) -> str:
     lines = [
         f"image_width: {camera.width}",
         f"image_height: {camera.height}",
-        f"camera_name: {json.dumps(camera.name)}",
+        f"camera_name: {_quoted(camera.name)}",
         *(["nominal: true"] if camera.nominal else []),
         *_matrix_lines("camera_matrix", camera.matrix),
         f"distortion_model: {model}",
@@ -115,6 +115,10 @@ def to_ros_yaml(camera: Camera) -> str:
         *_matrix_lines("projection_matrix", projection),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return str(yaml.safe_dump(text, default_style='"', width=10_000)).rstrip("\n")
 
 
 def _matrix_lines(key: str, matrix: Array) -> list[str]:
@@ -247,7 +251,7 @@ def _flag(value: Any) -> bool:
 
 
 def _size(value: Any) -> tuple[int, int]:
-    if isinstance(value, dict):
+    if isinstance(value, dict) and "data" not in value:
         value = [value.get("width"), value.get("height")]
     numbers = _numbers(value, "image size")
     if len(numbers) != 2 or not all(1 <= v <= MAX_SIDE and v == int(v) for v in numbers):

@@ -1,7 +1,7 @@
 """Reads untrusted YAML and JSON as plain values: nothing executes, nothing expands.
 
 YAML is read with PyYAML's safe loader, without aliases (a few hundred bytes of them can stand for
-gigabytes) and with the one tag that OpenCV writes.
+gigabytes) and with the tags of OpenCV's matrices.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ def _opencv_matrix(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any,
     return loader.construct_mapping(node, deep=True)
 
 
-_Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", _opencv_matrix)
+for _tag in ("opencv-matrix", "opencv-nd-matrix"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _opencv_matrix)
 
 
 def parse(data: bytes, name: str) -> Any:
@@ -76,7 +77,7 @@ def _json(text: str, name: str) -> Any:
 
 
 def _yaml(text: str, name: str) -> Any:
-    # OpenCV's first line, "%YAML:1.0", is no directive that YAML knows; blank it, so that the
+    # OpenCV 4's first line, "%YAML:1.0", is no directive that YAML knows; blank it, so that the
     # line numbers of messages stay true.
     if text.startswith("%YAML"):
         text = text[text.find("\n") :] if "\n" in text else ""
