@@ -2,9 +2,75 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from padstudio.errors import SpecError
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrepareParams:
+    """Stages `stretch` and `denoise`.
+
+    Attributes
+    ----------
+    impulse_share : float
+        Share of salt and pepper from which the 3 × 3 median is taken.
+    """
+
+    impulse_share: float = 0.005
+
+    def __post_init__(self) -> None:
+        _within("impulse_share", self.impulse_share, 0.0, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchParams:
+    """Where and at which scales the dense method looks.
+
+    Attributes
+    ----------
+    coarsest_px, finest_px : int
+        A region is looked at from the scale where its longer side is about `coarsest_px` to the
+        one where it is below `finest_px`.
+    least_edges : int
+        Fewer edges than this are not worth a look.
+    least_order : float
+        Share of edges on grid lines from which a lattice is tried against the pad.
+    """
+
+    coarsest_px: int = 90
+    finest_px: int = 900
+    least_edges: int = 40
+    least_order: float = 0.5
+
+    def __post_init__(self) -> None:
+        _within("coarsest_px", self.coarsest_px, 32, 4096)
+        _within("finest_px", self.finest_px, self.coarsest_px, 65536)
+        _within("least_edges", self.least_edges, 16, 100_000)
+        _within("least_order", self.least_order, 0.3, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefineParams:
+    """How the pose is measured on the borders of cells.
+
+    Attributes
+    ----------
+    most_borders : int
+        More borders than this are thinned evenly.
+    least_cell_px : float
+        Layers whose cells are smaller than this in the frame are not measured.
+    motion : bool
+        Let the pose change within a frame where the residuals ask for it (rolling shutter).
+    """
+
+    most_borders: int = 3000
+    least_cell_px: float = 3.2
+    motion: bool = True
+
+    def __post_init__(self) -> None:
+        _within("most_borders", self.most_borders, 50, 1_000_000)
+        _within("least_cell_px", self.least_cell_px, 2.0, 100.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,12 +82,20 @@ class DetectorParams:
     log10_false_alarm : float
         A pose is given only where the bound on the chance of a false match is below this power
         of ten.
+    prepare : PrepareParams
+    search : SearchParams
+    refine : RefineParams
     """
 
     log10_false_alarm: float = -7.0
+    prepare: PrepareParams = field(default_factory=PrepareParams)
+    search: SearchParams = field(default_factory=SearchParams)
+    refine: RefineParams = field(default_factory=RefineParams)
 
     def __post_init__(self) -> None:
-        if not -300 <= self.log10_false_alarm <= -2:
-            raise SpecError(
-                f"log10_false_alarm is {self.log10_false_alarm}; it must lie within -300 … -2"
-            )
+        _within("log10_false_alarm", self.log10_false_alarm, -300, -2)
+
+
+def _within(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise SpecError(f"{name} is {value}; it must lie within {low} … {high}")

@@ -1,12 +1,19 @@
-"""The detector: strings the stages together."""
+"""The detector: the one object that callers use; it alone knows the methods and the tracking."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
+import numpy as np
+
+from padstudio.errors import ImageError
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
+from padstudio.vision.dense import Dense
 from padstudio.vision.params import DetectorParams
+from padstudio.vision.recorder import Recorder
 from padstudio.vision.types import Detection, Image, Method
 
 
@@ -34,6 +41,7 @@ class Detector:
         self.camera = camera
         self.method = method
         self.params = params or DetectorParams()
+        self._dense = Dense(pad, camera, self.params)
 
     def detect(self, bgr: Image, *, trace: bool = False) -> Detection:
         """Find the pad in one still.
@@ -51,12 +59,41 @@ class Detector:
 
         Raises
         ------
+        ImageError
+            If the picture is not (H, W, 3) uint8.
         CameraMismatchError
             If the frame's aspect is not the camera's.
         """
-        raise NotImplementedError
+        _check(bgr)
+        recorder = Recorder(keep=trace)
+        return _finish(self._dense.detect(bgr, recorder), bgr, recorder)
 
-    def track(self, frames: Iterable[Image]) -> Iterator[Detection]:
-        """Find the pad in a video's frames; the last pose helps the next."""
-        for frame in frames:
-            yield self.detect(frame)
+    def track(self, frames: Iterable[Image], *, trace: bool = False) -> Iterator[Detection]:
+        """Find the pad in a video's frames; the last pose helps the next.
+
+        The cells are compared with the pad in every frame, so a lock that slips is noticed, and
+        the frame is then looked at as a still.
+        """
+        last: Pose | None = None
+        for bgr in frames:
+            detection = None
+            if last is not None:
+                _check(bgr)
+                recorder = Recorder(keep=trace)
+                detection = _finish(self._dense.follow(bgr, last, recorder), bgr, recorder)
+            if detection is None or not detection.ok:
+                detection = self.detect(bgr, trace=trace)
+            last = detection.pose
+            yield detection
+
+
+def _check(bgr: Image) -> None:
+    if bgr.ndim != 3 or bgr.shape[2] != 3 or bgr.dtype != np.uint8 or min(bgr.shape[:2]) < 16:
+        raise ImageError(
+            f"a frame must be (H, W, 3) uint8 of at least 16 x 16 pixels, not {bgr.shape} "
+            f"{bgr.dtype}"
+        )
+
+
+def _finish(detection: Detection, bgr: Image, recorder: Recorder) -> Detection:
+    return replace(detection, elapsed_ms=recorder.elapsed_ms(), trace=recorder.trace(bgr))

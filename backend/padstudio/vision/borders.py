@@ -1,0 +1,161 @@
+"""The borders between cells of unlike level: what the pose is measured on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.motion import MovingPose
+from padstudio.vision.planes import Plane
+from padstudio.vision.types import Array
+
+# Positions along a profile, in units of its reach, and lines side by side that are averaged.
+_STEPS = np.linspace(-1, 1, 13)
+_BESIDE = np.array([-0.25, 0.0, 0.25])
+
+
+@dataclass(frozen=True, eq=False)
+class Borders:
+    """Middles of cell borders of one layer.
+
+    Attributes
+    ----------
+    points_mm : (N, 3) float64
+        Pad frame.
+    across_mm : (N, 3) float64
+        From the middle one cell further across the border, pad frame.
+    along_mm : (N, 3) float64
+        Half a cell along the border, pad frame.
+    step : (N,) float64
+        Level behind the border less level before it, over Y−1.
+    """
+
+    points_mm: Array
+    across_mm: Array
+    along_mm: Array
+    step: Array
+
+    def take(self, which: NDArray[np.intp]) -> Borders:
+        """Some of the borders."""
+        return Borders(
+            self.points_mm[which], self.across_mm[which], self.along_mm[which], self.step[which]
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Borders found in a picture.
+
+    Attributes
+    ----------
+    borders : Borders
+    xy : (N, 2) float64
+        Where the steps lie, frame pixels.
+    weight : (N,) float64
+        Relative trust, 0 … 1.
+    """
+
+    borders: Borders
+    xy: Array
+    weight: Array
+
+
+def layer_borders(pad: Pad, layer: Layer, rows: tuple[int, int], cols: tuple[int, int]) -> Borders:
+    """All borders of unlike cells within a range of rows and columns of a layer."""
+    field = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int16)
+    right, down = np.diff(field, axis=1), np.diff(field, axis=0)
+    r1, c1 = np.nonzero(right)
+    r2, c2 = np.nonzero(down)
+    sx, sy = layer.cell_mm * pad.scale[0], layer.cell_mm * pad.scale[1]
+    w, h = pad.size_mm
+    column = np.concatenate([c1 + 1.0, c2 + 0.5]) + cols[0]
+    row = np.concatenate([r1 + 0.5, r2 + 1.0]) + rows[0]
+    zero = np.zeros(len(column))
+    points = np.stack([column * sx - w / 2, h / 2 - row * sy, zero], axis=1)
+    upright = np.arange(len(column)) < len(r1)
+    across = np.where(upright[:, None], [sx, 0.0, 0.0], [0.0, -sy, 0.0])
+    along = np.where(upright[:, None], [0.0, -sy / 2, 0.0], [sx / 2, 0.0, 0.0])
+    step = np.concatenate([right[r1, c1], down[r2, c2]]) / (pad.levels - 1.0)
+    return Borders(points, across, along, step)
+
+
+def measure(
+    borders: Borders, plane: Plane, camera: Camera, pose: MovingPose, reach_px: float
+) -> Measured:
+    """Find each border's step near where a pose predicts it.
+
+    Along the normal of each predicted border a short profile is taken, averaged over three lines
+    side by side; the step lies at the centroid of the squared slope of the right sign.
+
+    Parameters
+    ----------
+    borders : Borders
+    plane : Plane
+    camera : Camera
+    pose : MovingPose
+    reach_px : float
+        Half length of a profile, plane pixels; never more than 0.42 of a cell.
+    """
+    middle = pose.project(camera, borders.points_mm)
+    side = pose.project(camera, borders.points_mm + 0.2 * borders.along_mm) - middle
+    cell = (pose.project(camera, borders.points_mm + 0.05 * borders.across_mm) - middle) * 20
+    size = np.linalg.norm(cell, axis=1)
+    tangent = side / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    normal *= np.sign((normal * cell).sum(axis=1, keepdims=True))
+    depth = np.abs((normal * cell).sum(axis=1))
+    reach = np.minimum(reach_px * plane.pixel, 0.42 * depth)
+    values = _profiles(plane, middle, normal * reach[:, None], side * 5)
+    slope = np.diff(values, axis=1) * np.sign(borders.step)[:, None]
+    rising = np.maximum(slope, 0)
+    power = rising * rising
+    centre = (_STEPS[:-1] + _STEPS[1:]) / 2
+    total = power.sum(axis=1)
+    shift = (power @ centre) / np.maximum(total, 1e-9) * reach
+    spent = np.abs(slope).sum(axis=1)
+    clean = rising.sum(axis=1) / np.maximum(spent, 1e-9)
+    inside = _inside(plane, middle, reach, size)
+    weight = np.where(inside & (spent > 0), np.clip(2 * clean - 1, 0, 1) ** 2, 0)
+    weight = weight * np.clip(rising.sum(axis=1) / 6.0, 0, 1)
+    keep = weight > 0.05
+    return Measured(
+        borders.take(np.flatnonzero(keep)),
+        (middle + normal * shift[:, None])[keep],
+        weight[keep],
+    )
+
+
+def _profiles(plane: Plane, middle: Array, reach: Array, half_side: Array) -> Array:
+    """Grey values (N, 13) along profiles, averaged over lines beside each other."""
+    at = (
+        middle[:, None, None, :]
+        + half_side[:, None, None, :] * (2 * _BESIDE[None, :, None, None])
+        + reach[:, None, None, :] * _STEPS[None, None, :, None]
+    )
+    local = plane.from_frame(at.reshape(-1, 2)).astype(np.float32)
+    shape = (len(middle) * len(_BESIDE), len(_STEPS))
+    values = cv2.remap(
+        plane.values,
+        local[:, 0].reshape(shape),
+        local[:, 1].reshape(shape),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return np.asarray(values.reshape(len(middle), len(_BESIDE), -1).mean(axis=1), float)
+
+
+def _inside(plane: Plane, middle: Array, reach: Array, size: Array) -> NDArray[np.bool_]:
+    local = plane.from_frame(middle)
+    h, w = plane.values.shape
+    border = np.maximum(reach, 0.25 * size) / plane.pixel + 1
+    return (
+        (local[:, 0] > border)
+        & (local[:, 1] > border)
+        & (local[:, 0] < w - 1 - border)
+        & (local[:, 1] < h - 1 - border)
+    )

@@ -1,0 +1,173 @@
+"""Reads the level of every visible cell of a lattice: the picture's half of the `decode` stage."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Channel
+from padstudio.vision.planes import Box, Pyramid
+from padstudio.vision.types import Array
+
+#: Lattice coordinates (N, 2) to rays on the plane z = 1, (N, 2).
+ToRays = Callable[[Array], Array]
+
+# Cells are read at the level where they are at least this wide, pixels.
+_READING_WIDTH = 4.0
+# Brightness is compared with that of a block of this many cells a side.
+_BLOCK = 9
+
+
+@dataclass(frozen=True, eq=False)
+class CellGrid:
+    """Cells of a part of a lattice as read from one channel.
+
+    Attributes
+    ----------
+    channel : {"red", "green", "blue"}
+    column0, row0 : int
+        Lattice coordinates of the first cell's top-left corner.
+    values : (R, C) float32
+        Grey value at each cell's centre, averaged over about half a cell.
+    seen : (R, C) bool
+        True where the cell's centre lies in the frame.
+    relative : (R, C) float32
+        Values less their block's mean over their block's deviation; 0 where not seen.
+    xy : (R, C, 2) float64
+        Where the centres lie, frame pixels.
+    cell_px : float
+        Median side of a cell, frame pixels.
+    """
+
+    channel: Channel
+    column0: int
+    row0: int
+    values: NDArray[np.float32]
+    seen: NDArray[np.bool_]
+    relative: NDArray[np.float32]
+    xy: Array
+    cell_px: float
+
+    def levels(self, count: int) -> NDArray[np.int8]:
+        """Levels 0 … count−1 as the picture alone tells them, −1 where not seen; (R, C)."""
+        return np.where(self.seen, to_levels(self.relative, count), -1).astype(np.int8)
+
+
+def to_levels(relative: NDArray[np.float32], count: int) -> NDArray[np.int8]:
+    """Levels of block-relative values, for levels that occur equally often.
+
+    Evenly spaced, equally frequent levels 0 … Y−1 have mean (Y−1)/2 and variance (Y²−1)/12.
+    """
+    spread = math.sqrt((count * count - 1) / 12)
+    return np.clip(np.round(relative * spread + (count - 1) / 2), 0, count - 1).astype(np.int8)
+
+
+def read_cells(
+    pyramid: Pyramid,
+    camera: Camera,
+    channel: Channel,
+    to_rays: ToRays,
+    columns: tuple[int, int],
+    rows: tuple[int, int],
+) -> CellGrid | None:
+    """Read the cells between two columns and two rows of a lattice.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    camera : Camera
+        At the frame's size.
+    channel : {"red", "green", "blue"}
+    to_rays : callable
+    columns, rows : (first, last)
+        Lattice coordinates of the outer corners.
+
+    Returns
+    -------
+    CellGrid or None
+        None where no cell's centre lies in the frame.
+    """
+    c, r = np.arange(*columns) + 0.5, np.arange(*rows) + 0.5
+    if not len(c) or not len(r):
+        return None
+    grid = np.stack(np.meshgrid(c, r), axis=-1)
+    xy = camera.denormalize(to_rays(grid.reshape(-1, 2))).reshape(*grid.shape)
+    seen = (
+        (xy[..., 0] >= 0)
+        & (xy[..., 1] >= 0)
+        & (xy[..., 0] <= pyramid.width - 1)
+        & (xy[..., 1] <= pyramid.height - 1)
+    )
+    if not seen.any():
+        return None
+    width = _cell_width(xy, seen)
+    level = max(0, math.floor(math.log2(max(width / _READING_WIDTH, 1.0))))
+    values = _sample(pyramid, channel, level, xy, seen, width)
+    relative = _relative(values, seen)
+    return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
+
+
+def _cell_width(xy: Array, seen: NDArray[np.bool_]) -> float:
+    """Median distance of neighbouring centres, pixels; of the shorter side under tilt."""
+    sides = []
+    for axis in (0, 1):
+        step = np.linalg.norm(np.diff(xy, axis=axis), axis=-1)
+        both = np.delete(seen, -1, axis) & np.delete(seen, 0, axis)
+        if both.any():
+            sides.append(float(np.median(step[both])))
+    return min(sides) if sides else 1.0
+
+
+def _sample(
+    pyramid: Pyramid,
+    channel: Channel,
+    level: int,
+    xy: Array,
+    seen: NDArray[np.bool_],
+    width: float,
+) -> NDArray[np.float32]:
+    inside = xy[seen]
+    low, high = np.floor(inside.min(axis=0)).astype(int), np.ceil(inside.max(axis=0)).astype(int)
+    border = 2 << level
+    box = Box(
+        max(0, int(low[0]) - border),
+        max(0, int(low[1]) - border),
+        min(pyramid.width, int(high[0]) + border + 1),
+        min(pyramid.height, int(high[1]) + border + 1),
+    )
+    plane = pyramid.plane(channel, level, box)
+    picture = plane.values
+    if width / plane.pixel >= _READING_WIDTH:
+        picture = np.asarray(cv2.blur(picture, (3, 3)))
+    at = plane.from_frame(xy.reshape(-1, 2)).astype(np.float32).reshape(xy.shape)
+    values = cv2.remap(
+        picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    return np.asarray(values, np.float32)
+
+
+def _relative(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Block mean: each value against the mean and deviation of the block of cells round it."""
+    weight = seen.astype(np.float32)
+    filled = np.where(seen, values, 0).astype(np.float32)
+    size = (_BLOCK, _BLOCK)
+    count = cv2.boxFilter(weight, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+    total = cv2.boxFilter(filled, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+    square = cv2.boxFilter(
+        filled * filled, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT
+    )
+    count = np.maximum(count, 1)
+    mean = total / count
+    deviation = np.sqrt(np.maximum(square / count - mean * mean, 0.25))
+    return np.where(seen, (filled - mean) / deviation, 0).astype(np.float32)
+
+
+def relative_field(field: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """A pad's field (R, C) seen as `CellGrid.relative` would show it."""
+    return _relative(field.astype(np.float32) * 64, np.ones(field.shape, bool))

@@ -1,0 +1,164 @@
+"""The dense method: uses everything in the picture.
+
+search → first pose → refinement on all borders → judgement on all cells. Each step stands in a
+file of its own; this one knows their order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
+from padstudio.pad.spec import Channel, Pad
+from padstudio.vision.choose import Choice, choose
+from padstudio.vision.decode import LayerIndex
+from padstudio.vision.measure import LayerRead, Measurement, read_layer, refine_pose
+from padstudio.vision.motion import MovingPose
+from padstudio.vision.params import DetectorParams
+from padstudio.vision.planar import PlanarPose, planar_pose
+from padstudio.vision.planes import Pyramid
+from padstudio.vision.prepare import denoised, find_denoise, find_stretch
+from padstudio.vision.recorder import Recorder
+from padstudio.vision.regions import find_regions
+from padstudio.vision.search import Search, Sighting, search
+from padstudio.vision.types import (
+    Detection,
+    Image,
+    Reason,
+    StageFailure,
+    Uncertainty,
+)
+from padstudio.vision.view import to_pad
+
+# Below this ratio of the two planar poses' errors the first one is beyond doubt.
+_CLEAR = 0.15
+
+
+class Dense:
+    """The dense method for one pad and one camera.
+
+    Parameters
+    ----------
+    pad : Pad
+    camera : Camera
+    params : DetectorParams
+    """
+
+    def __init__(self, pad: Pad, camera: Camera, params: DetectorParams) -> None:
+        self.pad = pad
+        self.camera = camera
+        self.params = params
+        layers = sorted(pad.layers, key=lambda layer: -layer.cell_mm)
+        self.indices: dict[Channel, LayerIndex] = {
+            layer.channel: LayerIndex(pad, layer) for layer in layers
+        }
+
+    def detect(self, bgr: Image, recorder: Recorder) -> Detection:
+        """Find the pad in one still, without any hint."""
+        pyramid, camera = self._prepare(bgr, recorder)
+        stretch = recorder.run("stretch", None, find_stretch, pyramid)
+        regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
+        frame = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
+        sighting = search(frame, regions)
+        if isinstance(sighting, StageFailure):
+            return Detection(None, sighting)
+        start = recorder.run("pose", None, self._first_pose, sighting)
+        if start is None:
+            return Detection(
+                None,
+                StageFailure("pose", Reason.POSE_REJECTED, "the grid's corners give no pose"),
+            )
+        starts = [start.pose]
+        if start.other is not None and start.ambiguity > _CLEAR:
+            starts.append(start.other)
+        measurement = recorder.run("pose", None, self._best_of, pyramid, camera, starts)
+        attempts = len(frame.lattices) * len(self.indices)
+        return self._judge(pyramid, camera, measurement, recorder, attempts)
+
+    def follow(self, bgr: Image, last: Pose, recorder: Recorder) -> Detection:
+        """Find the pad near the pose of the frame before; fails where that does not fit."""
+        pyramid, camera = self._prepare(bgr, recorder)
+        measurement = recorder.run("pose", None, self._best_of, pyramid, camera, [last])
+        return self._judge(pyramid, camera, measurement, recorder, 1)
+
+    def _prepare(self, bgr: Image, recorder: Recorder) -> tuple[Pyramid, Camera]:
+        camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
+        denoise = recorder.run(
+            "denoise", None, find_denoise, bgr, self.params.prepare.impulse_share
+        )
+        return Pyramid(denoised(bgr, denoise)), camera
+
+    def _first_pose(self, sighting: Sighting) -> PlanarPose | None:
+        lattice, placement = sighting.lattice, sighting.placement
+        columns, rows = np.linspace(*lattice.columns, 5), np.linspace(*lattice.rows, 5)
+        here = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        there = np.column_stack([here, np.ones(len(here))]) @ placement.pad_from_lattice.T
+        points = to_pad(self.pad, placement.layer, there)
+        return planar_pose(points, lattice.to_rays(here))
+
+    def _best_of(self, pyramid: Pyramid, camera: Camera, starts: list[Pose]) -> Measurement | None:
+        """Refine from each start; the finer layer wins, then the smaller residual."""
+        found = [
+            refine_pose(pyramid, camera, self.pad, MovingPose(start), self.params)
+            for start in starts
+        ]
+        measured = [item for item in found if item is not None]
+        if not measured:
+            return None
+        return min(measured, key=lambda item: (item.layer.cell_mm, item.fit.rms_px))
+
+    def _judge(
+        self,
+        pyramid: Pyramid,
+        camera: Camera,
+        measurement: Measurement | None,
+        recorder: Recorder,
+        attempts: int,
+    ) -> Detection:
+        """Read all cells with the refined pose; give it only where they agree with the pad."""
+        if measurement is None:
+            return Detection(
+                None,
+                StageFailure(
+                    "pose",
+                    Reason.POSE_REJECTED,
+                    "no layer's borders stand where the first pose puts them",
+                ),
+            )
+        pose = measurement.fit.pose.pose
+        reads = self._read_layers(pyramid, camera, pose, recorder, attempts)
+        choice = recorder.run(
+            "choose", None, choose, reads, measurement.layer, self.params.log10_false_alarm
+        )
+        if isinstance(choice, StageFailure):
+            return Detection(None, choice)
+        return _detection(measurement, choice)
+
+    def _read_layers(
+        self, pyramid: Pyramid, camera: Camera, pose: Pose, recorder: Recorder, attempts: int
+    ) -> list[LayerRead]:
+        reads = []
+        for layer in self.pad.layers:
+            places = 4 * layer.rows * layer.cols * attempts
+            read = recorder.run(
+                "decode", layer.channel, read_layer, pyramid, camera, self.pad, layer, pose, places
+            )
+            if read is not None:
+                reads.append(read)
+        return reads
+
+
+def _detection(measurement: Measurement, choice: Choice) -> Detection:
+    fit, evidence = measurement.fit, choice.read.evidence
+    covariance = fit.covariance
+    sigma = np.sqrt(np.diag(covariance))
+    return Detection(
+        pose=fit.pose.pose,
+        layer=choice.read.layer.channel,
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=fit.rms_px,
+        uncertainty=Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance),
+    )

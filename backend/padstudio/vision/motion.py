@@ -1,0 +1,76 @@
+"""A pose that may change while a rolling shutter reads the frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
+from padstudio.vision.types import Array
+
+
+@dataclass(frozen=True, eq=False)
+class MovingPose:
+    """The pose at the frame's middle row and its change from top to bottom.
+
+    Attributes
+    ----------
+    pose : Pose
+        At the middle row's exposure.
+    shift_mm : (3,) float64
+        Change of the camera's centre from the first row to the last, pad frame.
+    turn : (3,) float64
+        Rotation vector of the change of attitude from the first row to the last, camera frame,
+        radians.
+    """
+
+    pose: Pose
+    shift_mm: Array = field(default_factory=lambda: np.zeros(3))
+    turn: Array = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def still(self) -> bool:
+        """True where nothing changes during the frame."""
+        return not (np.any(self.shift_mm) or np.any(self.turn))
+
+    def to_camera(self, points_mm: Array, moment: Array | float = 0.0) -> Array:
+        """Pad points (N, 3) in the camera frame of given moments, −0.5 … 0.5 of the frame."""
+        s = np.broadcast_to(np.asarray(moment, float), (len(points_mm),))[:, None]
+        seen = (points_mm - self.pose.position_mm - s * self.shift_mm) @ self.pose.rotation
+        # The turn within one frame is small: first order suffices.
+        return np.asarray(seen - np.cross(s * self.turn, seen), float)
+
+    def moment(self, camera: Camera, rows: Array) -> Array:
+        """Moments of frame rows, −0.5 … 0.5."""
+        return (rows - (camera.height - 1) / 2) / camera.height
+
+    def project(self, camera: Camera, points_mm: Array) -> Array:
+        """Frame pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
+        pixels = _project(camera, self.to_camera(points_mm))
+        if self.still:
+            return pixels
+        for _ in range(2):
+            moment = np.clip(self.moment(camera, np.nan_to_num(pixels[:, 1])), -0.6, 0.6)
+            pixels = _project(camera, self.to_camera(points_mm, moment))
+        return pixels
+
+    def moved(self, step: Array) -> MovingPose:
+        """The pose after a step of 6 or 12: centre (mm, pad), turn (camera), and their changes."""
+        turn = np.asarray(cv2.Rodrigues(np.asarray(step[3:6], float))[0], float)
+        rotation = self.pose.rotation @ turn
+        u, _, vt = np.linalg.svd(rotation)
+        pose = Pose(self.pose.position_mm + step[:3], u @ vt)
+        if len(step) == 6:
+            return MovingPose(pose, self.shift_mm, self.turn)
+        return MovingPose(pose, self.shift_mm + step[6:9], self.turn + step[9:12])
+
+
+def _project(camera: Camera, points: Array) -> Array:
+    z = points[:, 2:]
+    ahead = z[:, 0] > 1e-6
+    pixels = np.full((len(points), 2), np.nan)
+    pixels[ahead] = camera.denormalize(points[ahead, :2] / z[ahead])
+    return pixels

@@ -1,0 +1,114 @@
+"""A frame at halved scales, and windows of one channel of it.
+
+Working at the scale that the cells need is what keeps the detector fast: a level is made when
+first asked for, and only from the level below it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.spec import Channel
+from padstudio.vision.types import Array, Image
+
+#: Where a channel lies in OpenCV's pixel order.
+BGR_INDEX: dict[Channel, int] = {"blue": 0, "green": 1, "red": 2}
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle of frame pixels: x0 ≤ x < x1, y0 ≤ y < y1."""
+
+    x0: int
+    y0: int
+    x1: int
+    y1: int
+
+    @property
+    def side(self) -> int:
+        """The longer side, pixels."""
+        return max(self.x1 - self.x0, self.y1 - self.y0)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """One channel of a part of a frame at one scale.
+
+    Attributes
+    ----------
+    values : (h, w) float32
+    channel : {"red", "green", "blue"}
+    level : int
+        Each level halves the frame; 0 is the frame's own scale.
+    x0, y0 : int
+        Where the part begins, pixels of that level.
+    """
+
+    values: NDArray[np.float32]
+    channel: Channel
+    level: int
+    x0: int
+    y0: int
+
+    @property
+    def pixel(self) -> int:
+        """Side of this plane's pixels in frame pixels."""
+        return 1 << self.level
+
+    def to_frame(self, xy: Array) -> Array:
+        """Frame pixels of plane pixels, (N, 2) float64 each; (0, 0) is a pixel's centre."""
+        return (xy + (self.x0 + 0.5, self.y0 + 0.5)) * float(self.pixel) - 0.5
+
+    def from_frame(self, xy: Array) -> Array:
+        """Plane pixels of frame pixels, (N, 2) float64 each."""
+        return (xy + 0.5) / float(self.pixel) - (self.x0 + 0.5, self.y0 + 0.5)
+
+
+class Pyramid:
+    """A frame and its halved copies.
+
+    Parameters
+    ----------
+    bgr : (H, W, 3) uint8
+    """
+
+    def __init__(self, bgr: Image) -> None:
+        self._levels = [bgr]
+
+    @property
+    def width(self) -> int:
+        """Width of the frame, pixels."""
+        return int(self._levels[0].shape[1])
+
+    @property
+    def height(self) -> int:
+        """Height of the frame, pixels."""
+        return int(self._levels[0].shape[0])
+
+    @property
+    def box(self) -> Box:
+        """The whole frame."""
+        return Box(0, 0, self.width, self.height)
+
+    def level(self, number: int) -> Image:
+        """The frame halved ``number`` times by area averaging, (h, w, 3) uint8."""
+        while len(self._levels) <= number:
+            last = self._levels[-1]
+            even = last[: last.shape[0] & ~1, : last.shape[1] & ~1]
+            size = (max(even.shape[1] // 2, 1), max(even.shape[0] // 2, 1))
+            self._levels.append(np.asarray(cv2.resize(even, size, interpolation=cv2.INTER_AREA)))
+        return self._levels[number]
+
+    def plane(self, channel: Channel, level: int, box: Box | None = None) -> Plane:
+        """One channel of a part of the frame at one scale."""
+        image = self.level(level)
+        box = box or self.box
+        x0, y0 = box.x0 >> level, box.y0 >> level
+        x1, y1 = -(-box.x1 >> level), -(-box.y1 >> level)
+        part = image[y0:y1, x0:x1]
+        values = cv2.extractChannel(part, BGR_INDEX[channel]).astype(np.float32)
+        return Plane(values, channel, level, x0, y0)

@@ -1,0 +1,114 @@
+"""Where in the frame the pad can be: the dense method's part of the `clean` stage.
+
+A pad leaves one colour channel dark, ground does not: averaged over a few cells, the share of the
+unused channel in the light tells them apart whatever the brightness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.spec import CHANNELS, Pad
+from padstudio.vision.planes import BGR_INDEX, Box, Pyramid
+
+# The mask is made at about this width: cells blend there, the pad's shape does not.
+_MASK_WIDTH = 340
+# Least difference of the two classes' mean share; below it the frame is all of a kind.
+_LEAST_SEPARATION = 0.035
+_LEAST_AREA = 12
+# Added to the sum of channels, so that noise in the dark does not look like colour.
+_DARK = 12.0
+_MOST_REGIONS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A part of the frame that may hold the pad.
+
+    Attributes
+    ----------
+    box : Box
+        Frame pixels.
+    mask : (h, w) bool or None
+        True where pad colour is near, at the mask's level; None where all of the frame counts.
+    level : int
+        The mask's level.
+    """
+
+    box: Box
+    mask: NDArray[np.bool_] | None
+    level: int
+
+    def holds(self, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which frame pixels (N, 2) lie on the mask."""
+        if self.mask is None:
+            return np.ones(len(xy), bool)
+        cell = ((xy + 0.5) / float(1 << self.level)).astype(np.int64)
+        h, w = self.mask.shape
+        return self.mask[cell[:, 1].clip(0, h - 1), cell[:, 0].clip(0, w - 1)]
+
+
+def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
+    """Parts of the frame that may hold the pad, the likeliest first, the whole frame last.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    pad : Pad
+        Its unused channels are what is looked for; a pad that uses all three has no such mark.
+
+    Returns
+    -------
+    list of Region
+        Never empty.
+    """
+    level = max(0, round(np.log2(pyramid.width / _MASK_WIDTH)))
+    whole = Region(pyramid.box, None, level)
+    used = {layer.channel for layer in pad.layers}
+    unused = [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
+    if not unused:
+        return [whole]
+    dark = _dark_mask(pyramid.level(level), unused)
+    if dark is None:
+        return [whole]
+    regions = _components(dark, level, pyramid)
+    return [*regions, whole]
+
+
+def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8] | None:
+    """(h, w) uint8 of 0 and 1, or None where the picture is all of one kind."""
+    blurred = cv2.blur(image.astype(np.float32), (3, 3))
+    share = blurred[:, :, unused].mean(axis=2) / (blurred.sum(axis=2) + _DARK)
+    coded = np.clip(share * 512, 0, 255).astype(np.uint8)
+    _, mask = cv2.threshold(coded, 0, 1, cv2.THRESH_BINARY_INV | cv2.THRESH_OTSU)
+    inside = mask.astype(bool)
+    if inside.all() or not inside.any():
+        return None
+    if share[~inside].mean() - share[inside].mean() < _LEAST_SEPARATION:
+        return None
+    return np.asarray(mask, np.uint8)
+
+
+def _components(dark: NDArray[np.uint8], level: int, pyramid: Pyramid) -> list[Region]:
+    closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, np.ones((7, 7), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    order = sorted(range(1, count), key=lambda k: -int(stats[k, cv2.CC_STAT_AREA]))
+    regions = []
+    for k in order[:_MOST_REGIONS]:
+        x, y, w, h, area = (int(v) for v in stats[k])
+        if area < _LEAST_AREA:
+            break
+        mask = cv2.dilate((labels == k).astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool)
+        edge = 2 + max(w, h) // 12
+        box = Box(
+            max(0, (x - edge) << level),
+            max(0, (y - edge) << level),
+            min(pyramid.width, (x + w + edge) << level),
+            min(pyramid.height, (y + h + edge) << level),
+        )
+        regions.append(Region(box, mask, level))
+    return regions

@@ -1,0 +1,169 @@
+"""The dense method's search: from a frame without any hint to a place on the pad.
+
+Regions of pad colour, scales from coarse to fine, channels: the first lattice whose cells agree
+with the pad beyond chance ends the search, so that near pads cost little more than a thumbnail.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Channel
+from padstudio.vision.cells import CellGrid, read_cells
+from padstudio.vision.decode import LayerIndex, Placement
+from padstudio.vision.directions import find_axes, find_lines
+from padstudio.vision.edges import EdgeSet, find_edges
+from padstudio.vision.lattice import Lattice, find_lattice
+from padstudio.vision.params import DetectorParams
+from padstudio.vision.planes import Plane, Pyramid
+from padstudio.vision.prepare import Stretch, take_channel
+from padstudio.vision.recorder import Recorder
+from padstudio.vision.regions import Region
+from padstudio.vision.types import Reason, StageFailure
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """A lattice in the picture and the place on the pad that its cells show."""
+
+    lattice: Lattice
+    placement: Placement
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search needs to know of its frame; `indices` stand coarse layer first.
+
+    `lattices` gathers what was tried against the pad: each try weakens the evidence of the next.
+    """
+
+    pyramid: Pyramid
+    camera: Camera
+    stretch: Stretch
+    indices: dict[Channel, LayerIndex]
+    params: DetectorParams
+    recorder: Recorder
+    lattices: list[Lattice] = field(default_factory=list)
+
+
+def search(frame: Search, regions: list[Region]) -> Sighting | StageFailure:
+    """Look for the pad in regions of a frame, at every scale, in every layer's channel."""
+    worst = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
+    for steep in (False, True):
+        for region in regions:
+            for level in _levels(region, frame.params):
+                for channel in frame.indices:
+                    found = _look(frame, region, level, channel, steep=steep)
+                    if isinstance(found, Sighting):
+                        return found
+                    worst = _further(worst, found)
+    return worst
+
+
+def _levels(region: Region, params: DetectorParams) -> Iterator[int]:
+    side, search_params = region.box.side, params.search
+    coarsest = max(0, math.floor(math.log2(max(side / search_params.coarsest_px, 1))))
+    finest = max(0, math.ceil(math.log2(max(side / search_params.finest_px, 1))))
+    yield from range(max(coarsest, finest), finest - 1, -1)
+
+
+_ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
+
+
+def _further(a: StageFailure, b: StageFailure) -> StageFailure:
+    """The failure of the later stage: it came nearest to an answer."""
+    return b if _ORDER[b.stage] >= _ORDER[a.stage] else a
+
+
+def _look(
+    frame: Search, region: Region, level: int, channel: Channel, *, steep: bool
+) -> Sighting | StageFailure:
+    recorder = frame.recorder
+    plane = recorder.run(
+        "channel", channel, take_channel, frame.pyramid, frame.stretch, channel, level, region.box
+    )
+    edges = recorder.run("edges", channel, _edges_in, plane, frame.camera, region)
+    if len(edges.xy) < frame.params.search.least_edges:
+        return StageFailure(
+            "edges", Reason.NO_EDGES, f"only {len(edges.xy)} edge points in {channel}"
+        )
+    lattice = _lattice(frame, edges, channel, steep=steep)
+    if isinstance(lattice, StageFailure):
+        return lattice
+    return _place(frame, lattice)
+
+
+def _edges_in(plane: Plane, camera: Camera, region: Region) -> EdgeSet:
+    edges = find_edges(plane, camera)
+    return edges.take(region.holds(edges.xy)) if region.mask is not None else edges
+
+
+def _lattice(
+    frame: Search, edges: EdgeSet, channel: Channel, *, steep: bool
+) -> Lattice | StageFailure:
+    """The best-ordered lattice over the candidate axes."""
+    recorder = frame.recorder
+    best: Lattice | None = None
+    coherence = 0.0
+    for score, axes in recorder.run("lines", channel, find_axes, edges, steep=steep):
+        coherence = max(coherence, score)
+        families = recorder.run("lines", channel, find_lines, edges, score, axes)
+        if families is None:
+            continue
+        lattice = recorder.run("grid", channel, find_lattice, families)
+        if lattice is not None and (best is None or lattice.order > best.order):
+            best = lattice
+        if best is not None and best.order > 0.9:
+            break
+    if best is None:
+        return StageFailure(
+            "lines",
+            Reason.TOO_FEW_LINES,
+            f"{len(edges.xy)} edge points in {channel} show no two directions at right angles "
+            f"(agreement {coherence:.2f} of 1)",
+        )
+    if best.order < frame.params.search.least_order:
+        return StageFailure(
+            "grid",
+            Reason.NO_LATTICE,
+            f"{100 * best.order:.0f} % of the edge points in {channel} lie on an even grid, "
+            f"{100 * frame.params.search.least_order:.0f} % are needed; chance gives 28 %",
+        )
+    recorder.note("grid", channel, best)
+    return best
+
+
+def _place(frame: Search, lattice: Lattice) -> Sighting | StageFailure:
+    best: Placement | None = None
+    frame.lattices.append(lattice)
+    attempts = len(frame.lattices) * len(frame.indices)
+    for channel, index in frame.indices.items():
+        cells = frame.recorder.run("decode", channel, _read, frame, lattice, channel)
+        if cells is None:
+            continue
+        placement = frame.recorder.run("decode", channel, index.locate, cells, attempts)
+        if placement is None:
+            continue
+        if placement.evidence.suffices(frame.params.log10_false_alarm):
+            return Sighting(lattice, placement)
+        if best is None or placement.evidence.skill > best.evidence.skill:
+            best = placement
+    if best is None:
+        return StageFailure("decode", Reason.TOO_FEW_CELLS, "no cell of the grid lies in view")
+    evidence = best.evidence
+    return StageFailure(
+        "decode",
+        Reason.UNKNOWN_CODE,
+        f"read {evidence.read} cells; at the best place of this pad {evidence.wrong} differ "
+        f"(chance of such a match 10^{evidence.log10_false_alarm:.1f}, "
+        f"10^{frame.params.log10_false_alarm:.0f} is needed)",
+    )
+
+
+def _read(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
+    return read_cells(
+        frame.pyramid, frame.camera, channel, lattice.to_rays, lattice.columns, lattice.rows
+    )
