@@ -87,15 +87,33 @@ async function refusal(response) {
 /** @param {unknown} error @returns {boolean} true where a newer request took its place */
 export const isAbort = (error) => error instanceof DOMException && error.name === "AbortError";
 
-/** @param {unknown} error @returns {string} */
-export const messageOf = (error) => (error instanceof Error ? error.message : String(error));
+/**
+ * The sentence of an error, for the page.
+ * @param {unknown} error
+ * @returns {string}
+ */
+export function messageOf(error) {
+  const text = error instanceof Error ? error.message : String(error);
+  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".");
+}
+
+/**
+ * The fields of a request that the server refused, each with its sentence.
+ * @param {unknown} error
+ * @returns {Record<string, string>}
+ */
+export function fieldFaults(error) {
+  const fields = error instanceof ApiError ? error.detail.fields : null;
+  if (!Array.isArray(fields)) return {};
+  return Object.fromEntries(fields.map(({ place, message }) => [place, messageOf(message)]));
+}
 
 // Pads
 
 /**
  * @param {PadSpec} spec
  * @param {AbortSignal} signal
- * @returns {Promise<{pad: PadFile, verification: Record<string, unknown>}>}
+ * @returns {Promise<{pad: PadFile, verification: import("./verificationLogic.js").Verification}>}
  */
 export const previewPad = (spec, signal) =>
   request("POST", "/pads/preview", { json: spec, signal });
@@ -141,7 +159,7 @@ export const importCamera = (file) => request("POST", "/cameras", { form: { file
 // Detection
 
 /**
- * @typedef {import("./detectionLogic.js").DetectAnswer} DetectAnswer
+ * @typedef {import("./queueLogic.js").DetectAnswer} DetectAnswer
  *
  * @param {{image: File, pad: string, camera: string, method: string}} job
  * @param {AbortSignal} signal

@@ -8,8 +8,10 @@
  * @property {Record<string, string>} texts  the form
  * @property {string | null} savedId  the stored pad that is shown
  * @property {PadView | null} pad  what is shown; the last good one while a new one grows
- * @property {Record<string, unknown> | null} verification
+ * @property {import("./verificationLogic.js").Verification | null} verification
  * @property {boolean} stale  the form has changed since `pad` was grown
+ * @property {string} fault  why the server grew no pad
+ * @property {import("./specLogic.js").SpecErrors} refused  fields that the server refused
  * @property {boolean} busy
  * @property {boolean} saving
  * @property {string} view  "print" or a channel
@@ -43,6 +45,8 @@ const state = {
   pad: null,
   verification: null,
   stale: true,
+  fault: "",
+  refused: {},
   busy: false,
   saving: false,
   view: address.get("view") ?? "print",
@@ -85,14 +89,14 @@ function render() {
   const { spec, errors } = parseSpec(state.texts, form.bounds);
   form.update({
     texts: state.texts,
-    errors,
+    errors: { ...state.refused, ...errors },
     capacity: spec ? capacityInWords(spec) : "–",
     sheet: spec ? sheetInWords(spec) : "–",
     saving: state.saving,
   });
   const shown = state.pad?.layers.some((layer) => layer.channel === state.view);
   const view = shown ? state.view : "print";
-  const message = spec ? "The pad is drawn here." : "Correct the marked fields to see the pad.";
+  const message = state.fault || (spec ? "The pad is drawn here." : "Correct the marked fields to see the pad.");
   const { pad, viewport, busy } = state;
   viewer.update({ pad, view, viewport, busy, message });
   strip.update({ pad, view });
@@ -107,7 +111,7 @@ function render() {
 
 /** @param {Record<string, string>} texts */
 function onInput(texts) {
-  set({ texts, savedId: null, stale: true, status: null });
+  set({ texts, savedId: null, stale: true, refused: {}, status: null });
   schedulePreview();
 }
 
@@ -116,7 +120,7 @@ function schedulePreview() {
   window.clearTimeout(timer);
   running?.abort();
   if (spec) timer = window.setTimeout(() => void preview(spec), previewDelay(spec));
-  else set({ busy: false });
+  else set({ busy: false, pad: null, fault: "" });
 }
 
 /** @param {import("./specLogic.js").PadSpec} spec */
@@ -129,19 +133,19 @@ async function preview(spec) {
     showPad(answer.pad, answer.verification);
   } catch (error) {
     if (api.isAbort(error)) return;
-    fail(error);
+    set({ pad: null, fault: api.messageOf(error), refused: api.fieldFaults(error) });
   }
   set({ busy: false });
 }
 
 /**
  * @param {import("./padLogic.js").PadFile} file
- * @param {Record<string, unknown> | null} verification
+ * @param {import("./verificationLogic.js").Verification | null} verification
  */
 function showPad(file, verification) {
   const pad = viewOfPad(file);
   const resized = state.pad && (pad.widthMm !== state.pad.widthMm || pad.heightMm !== state.pad.heightMm);
-  set({ pad, verification, stale: false, ...(resized ? { viewport: null } : {}) });
+  set({ pad, verification, fault: "", stale: false, ...(resized ? { viewport: null } : {}) });
 }
 
 /** @param {unknown} error */

@@ -66,6 +66,6 @@ export function textsOfPad(summary, file) {
     seed: summary.seed === null ? "" : String(summary.seed),
     unique: summary.unique ?? DEFAULT_SPEC.unique,
     distance: String(summary.distance ?? DEFAULT_SPEC.distance),
-    method: summary.method === "auto" ? "auto" : DEFAULT_SPEC.method,
+    method: summary.method === "growth" ? "growth" : DEFAULT_SPEC.method,
   };
 }

@@ -12,6 +12,7 @@
  * @property {number} quiet_mm  white margin
  * @property {"rotation" | "plain"} unique
  * @property {number} distance  least number of cells in which two windows differ
+ * @property {boolean} visible_lines  each window shows a change of level across each inner line
  * @property {"growth" | "auto"} method
  * @property {number | null} seed  null: drawn by the server
  *
@@ -40,7 +41,8 @@ export const DEFAULT_SPEC = Object.freeze({
   quiet_mm: 0,
   unique: "rotation",
   distance: 1,
-  method: "growth",
+  visible_lines: false,
+  method: "auto",
   seed: 1,
 });
 
@@ -71,6 +73,7 @@ export function parseSpec(texts, bounds) {
   for (const [key, allowed] of Object.entries(CHOICES)) {
     if (allowed.includes(texts[key])) spec[key] = texts[key];
   }
+  spec.visible_lines = texts.visible_lines === "true";
   spec.name = (texts.name ?? "").trim() || DEFAULT_SPEC.name;
   if (String(spec.name).length > MAX_NAME) errors.name = `Use at most ${MAX_NAME} characters.`;
   const whole = /** @type {PadSpec} */ (spec);

@@ -1,34 +1,29 @@
 /**
  * What the server's independent check of a pad says, as facts for a reader.
+ *
+ * @typedef {object} Verification
+ * @property {number} windows
+ * @property {boolean} unique
+ * @property {boolean} unique_under_rotation
+ * @property {number | null} [min_distance]
+ * @property {number | null} [min_distance_under_rotation]
  */
 
 import { number } from "./formatLogic.js";
 
 /**
- * Every plain figure of the check, named after its key; nested objects (one a layer) are opened.
- * @param {Record<string, unknown> | null} verification
+ * @param {Verification | null} check  null where nothing was checked
  * @returns {{facts: [string, string][], fault: string}}
  */
-export function verificationFacts(verification) {
-  if (!verification) return { facts: [], fault: "" };
+export function verificationFacts(check) {
+  if (!check) return { facts: [], fault: "" };
+  const once = check.unique_under_rotation ? "in all rotations" : "as printed";
   /** @type {[string, string][]} */
-  const facts = [];
-  const walk = (/** @type {Record<string, unknown>} */ node, /** @type {string} */ prefix) => {
-    for (const [key, value] of Object.entries(node)) {
-      const term = [prefix, words(key)].filter(Boolean).join(" ");
-      if (value !== null && typeof value === "object" && !Array.isArray(value)) {
-        walk(/** @type {Record<string, unknown>} */ (value), term);
-      } else if (typeof value === "number") facts.push([term, number(value)]);
-      else if (typeof value === "boolean") facts.push([term, value ? "yes" : "no"]);
-    }
-  };
-  walk(verification, "");
-  const failed = verification.ok === false || verification.unique === false;
-  return { facts, fault: failed ? "The check found a window that occurs twice." : "" };
-}
-
-/** @param {string} key @returns {string} */
-function words(key) {
-  const text = key.replaceAll("_", " ");
-  return text.charAt(0).toUpperCase() + text.slice(1);
+  const facts = [
+    ["Windows checked", number(check.windows)],
+    ["Each occurs once", check.unique ? once : "no"],
+  ];
+  const least = check.unique_under_rotation ? check.min_distance_under_rotation : check.min_distance;
+  if (typeof least === "number") facts.push(["Windows differ in", `${least} or more cells`]);
+  return { facts, fault: check.unique ? "" : "The check found a window that occurs twice." };
 }

@@ -29,11 +29,16 @@ class Page:
     version : str
     max_upload_bytes, max_image_pixels : int
         Limits to check before a picture is sent.
+    max_window, max_levels, max_cells : int
+        Bounds of the form of a new pad.
     """
 
     name: str
     max_upload_bytes: int
     max_image_pixels: int
+    max_window: int
+    max_levels: int
+    max_cells: int
     version: str = __version__
 
 
@@ -73,5 +78,12 @@ def error_page(request: Request, status: int, title: str, message: str) -> Respo
 
 def _page(request: Request, name: str) -> Response:
     settings: Settings = request.app.state.settings
-    page = Page(name, settings.max_upload_bytes, settings.max_image_pixels)
+    page = Page(
+        name,
+        settings.max_upload_bytes,
+        settings.max_image_pixels,
+        settings.max_window,
+        settings.max_levels,
+        settings.max_cells,
+    )
     return templates.TemplateResponse(request, f"{name}.html", {"page": page}, headers=_HEADERS)
