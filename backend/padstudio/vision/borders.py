@@ -153,7 +153,7 @@ def _inside(plane: Plane, middle: Array, reach: Array, size: Array) -> NDArray[n
     local = plane.from_frame(middle)
     h, w = plane.values.shape
     border = np.maximum(reach, 0.25 * size) / plane.pixel + 1
-    return (
+    return np.asarray(
         (local[:, 0] > border)
         & (local[:, 1] > border)
         & (local[:, 0] < w - 1 - border)

@@ -19,6 +19,8 @@ from padstudio.vision.cells import CellGrid, relative_field
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.types import Array
 
+Spectrum = NDArray[np.complex128]
+
 _CLIP = 2.0
 # Overlaps of fewer cells with the pad are not looked at.
 _LEAST_OVERLAP = 12
@@ -63,7 +65,7 @@ class LayerIndex:
         self.pad = pad
         self.layer = layer
         self._relative = np.clip(relative_field(layer.field), -_CLIP, _CLIP)
-        self._spectra: dict[tuple[int, int], tuple[Array, Array]] = {}
+        self._spectra: dict[tuple[int, int], tuple[Spectrum, Spectrum]] = {}
 
     def locate(self, cells: CellGrid, attempts: int = 1) -> Placement | None:
         """The likeliest place of read cells.
@@ -108,7 +110,7 @@ class LayerIndex:
         weight = np.fft.irfft2(ones * energy.conj(), shape)
         return np.asarray(match / np.sqrt(np.maximum(weight, _LEAST_OVERLAP)))
 
-    def _spectrum(self, shape: tuple[int, int]) -> tuple[Array, Array]:
+    def _spectrum(self, shape: tuple[int, int]) -> tuple[Spectrum, Spectrum]:
         if shape not in self._spectra:
             field = np.fft.rfft2(self._relative, shape)
             ones = np.fft.rfft2(np.ones(self.layer.field.shape, np.float32), shape)

@@ -208,8 +208,8 @@ def find_lines(edges: EdgeSet, coherence: float, axes: Array) -> LineFamilies | 
     tile, count = _tiles(edges)
     unit = 1 / _pixels_per_unit(edges)
     spectra = [_spectrum(value[on], tile[on], count, unit) for value, on in ((u, on_u), (v, on_v))]
-    power = sum(s.power for s in spectra)
-    total = sum(s.total for s in spectra)
+    power = spectra[0].power + spectra[1].power
+    total = spectra[0].total + spectra[1].total
     frequency = np.arange(power.shape[1]) * _BINS_A_PIXEL / _BINS
     allowed = (frequency > 1 / _SPACINGS[1]) & (frequency < 1 / _SPACINGS[0])
     summed = np.where(allowed, power.sum(axis=0), -np.inf)

@@ -68,9 +68,9 @@ def find_edges(plane: Plane, camera: Camera) -> EdgeSet:
         Undistorts the points.
     """
     smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
-    gx = cv2.Scharr(smooth, cv2.CV_32F, 1, 0, scale=1 / 32)
-    gy = cv2.Scharr(smooth, cv2.CV_32F, 0, 1, scale=1 / 32)
-    size = cv2.magnitude(gx, gy)
+    gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0, scale=1 / 32), np.float32)
+    gy = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1, scale=1 / 32), np.float32)
+    size = np.asarray(cv2.magnitude(gx, gy), np.float32)
     floor = np.maximum(_OVER_LOCAL * cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD)), _LEAST_STEP)
     y, x, along_x = _peaks(gx, gy, size, floor)
     here = size[y, x]

@@ -13,7 +13,7 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
-from padstudio.pad.spec import Channel, Layer, Pad
+from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.borders import Borders, Measured, layer_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge

@@ -59,13 +59,17 @@ class Plane:
         """Side of this plane's pixels in frame pixels."""
         return 1 << self.level
 
+    @property
+    def _corner(self) -> Array:
+        return np.array([self.x0 + 0.5, self.y0 + 0.5])
+
     def to_frame(self, xy: Array) -> Array:
         """Frame pixels of plane pixels, (N, 2) float64 each; (0, 0) is a pixel's centre."""
-        return (xy + (self.x0 + 0.5, self.y0 + 0.5)) * float(self.pixel) - 0.5
+        return (xy + self._corner) * float(self.pixel) - 0.5
 
     def from_frame(self, xy: Array) -> Array:
         """Plane pixels of frame pixels, (N, 2) float64 each."""
-        return (xy + 0.5) / float(self.pixel) - (self.x0 + 0.5, self.y0 + 0.5)
+        return (xy + 0.5) / float(self.pixel) - self._corner
 
 
 class Pyramid:

@@ -71,7 +71,7 @@ def fit_pose(
     moment = start.moment(camera, measured.xy[:, 1])
     size = 12 if motion else 6
     prior = _prior(start, size)
-    pose, sigma = start, None
+    pose, sigma = start, 1.0
     for _ in range(iterations):
         residual, jacobian = _linearize(pose, measured, rays, moment, size)
         residual, jacobian = residual * camera.focal_px, jacobian * camera.focal_px
@@ -92,10 +92,9 @@ def fit_pose(
     inliers = np.abs(residual) < 4 * sigma
     if inliers.sum() < 10:
         return None
-    rms = float(
-        np.sqrt((measured.weight * residual**2)[inliers].sum() / measured.weight[inliers].sum())
-    )
-    covariance = np.linalg.inv(normal)[:6, :6]
+    trust = measured.weight[inliers]
+    rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
+    covariance = np.asarray(np.linalg.inv(normal)[:6, :6], float)
     return Fit(pose, rms, covariance, inliers)
 
 

@@ -49,7 +49,7 @@ class Region:
             return np.ones(len(xy), bool)
         cell = ((xy + 0.5) / float(1 << self.level)).astype(np.int64)
         h, w = self.mask.shape
-        return self.mask[cell[:, 1].clip(0, h - 1), cell[:, 0].clip(0, w - 1)]
+        return np.asarray(self.mask[cell[:, 1].clip(0, h - 1), cell[:, 0].clip(0, w - 1)])
 
 
 def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
