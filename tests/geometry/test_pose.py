@@ -54,8 +54,9 @@ def test_transforms_invert_each_other(pose):
 def test_a_solvers_answer_gives_the_pose_back(pose):
     rotation = np.asarray(cv2.Rodrigues(pose.rvec)[0], float)
     back = Pose.from_T_camera_pad(rotation, pose.tvec_mm.reshape(3, 1))
-    np.testing.assert_allclose(back.position_mm, pose.position_mm, atol=1e-6)
-    # Rodrigues loses half the digits close to a half turn.
+    # OpenCV's Rodrigues takes turns of less than about 1e-7 for none.
+    reach_mm = 1 + np.linalg.norm(pose.position_mm)
+    np.testing.assert_allclose(back.position_mm, pose.position_mm, atol=1e-6 * reach_mm)
     np.testing.assert_allclose(back.rotation, pose.rotation, atol=1e-6)
 
 
