@@ -40,11 +40,12 @@ class Texture:
 def texture(kind: GroundKind, seed: int) -> Texture:
     """The pyramid of a ground; the same for the same kind and seed."""
     rng = np.random.default_rng([seed, *kind.encode()])
-    srgb = np.clip(_PAINTERS[kind](rng), 0, 255) / 255.0
-    level = linear_from_srgb(srgb).astype(np.float32)
+    srgb = np.clip(_PAINTERS[kind](rng).astype(float), 0, 255) / 255.0
+    level: Tile = linear_from_srgb(srgb).astype(np.float32)
     levels = [level]
     while level.shape[0] > 1:
-        level = (level[::2, ::2] + level[1::2, ::2] + level[::2, 1::2] + level[1::2, 1::2]) / 4
+        quads = level[::2, ::2] + level[1::2, ::2] + level[::2, 1::2] + level[1::2, 1::2]
+        level = np.asarray(quads / 4, np.float32)
         levels.append(level)
     counts = [item.shape[0] ** 2 for item in levels]
     offsets = np.concatenate([[0], np.cumsum(counts[:-1])]).astype(np.int64)
@@ -62,7 +63,7 @@ def _noise(rng: np.random.Generator, cells: int) -> Plane:
 
 
 def _octaves(rng: np.random.Generator, first: int, last: int, fall: float = 0.7) -> Plane:
-    """Sum of noises with ``first``, 2 · ``first`` … ``last`` knots, each ``fall`` the one before."""
+    """Sum of noises of ``first``, 2 · ``first`` … ``last`` knots, each ``fall`` the one before."""
     total = np.zeros((SIZE, SIZE), np.float32)
     weight, cells = 1.0, first
     while cells <= last:
@@ -74,7 +75,7 @@ def _octaves(rng: np.random.Generator, first: int, last: int, fall: float = 0.7)
 def _tint(plane: Plane, base: tuple[float, float, float], amount: float) -> Tile:
     """A colour whose brightness follows a plane."""
     factor = 1.0 + amount * plane[..., None]
-    return np.asarray(np.float32(base) * factor, np.float32)
+    return np.asarray(np.array(base, np.float32) * factor, np.float32)
 
 
 def _draw_wrapped(draw: Callable[[int, int], None], x: int, y: int, reach: int) -> None:
@@ -105,9 +106,8 @@ def _grass(rng: np.random.Generator) -> Tile:
             cv2.line(tile, (px, py), (px + tip[0], py + tip[1]), color, 2, cv2.LINE_8)
 
         _draw_wrapped(blade, int(x[k]), int(y[k]), 32)
-    return np.asarray(
-        cv2.GaussianBlur(np.pad(tile, ((4, 4), (4, 4), (0, 0)), "wrap"), (0, 0), 0.6)
-    )[4:-4, 4:-4]
+    soft = cv2.GaussianBlur(np.pad(tile, ((4, 4), (4, 4), (0, 0)), "wrap"), (0, 0), 0.6)
+    return np.asarray(soft[4:-4, 4:-4], np.float32)
 
 
 def _gravel(rng: np.random.Generator) -> Tile:
@@ -142,7 +142,7 @@ def _bricks(rng: np.random.Generator) -> Tile:
         shift = (course % 2) * width // 2
         for number in range(8):
             shade = 1 + 0.14 * float(rng.standard_normal())
-            color = np.float32([96, 78, 68]) * np.float32(shade)
+            color = np.array([96, 78, 68], np.float32) * np.float32(shade)
             rows = np.arange(course * height + joint, (course + 1) * height)
             cols = (np.arange(joint, width) + number * width + shift) % SIZE
             tile[np.ix_(rows, cols)] = color

@@ -141,8 +141,7 @@ def expose(light: Light, imaging: Imaging, rng: np.random.Generator) -> Image:
         BGR.
     """
     light = _lens(light, imaging)
-    raw = _mosaic(light) if imaging.bayer else light
-    raw = sensor(raw, imaging, rng)
+    raw = sensor(_mosaic(light) if imaging.bayer else light, imaging, rng)
     if imaging.bayer:
         # OpenCV names mosaics after the second row's second and third pixel.
         bgr = cv2.cvtColor(raw, cv2.COLOR_BayerBG2BGR_EA)
@@ -194,7 +193,7 @@ def sensor(light: Light, imaging: Imaging, rng: np.random.Generator) -> NDArray[
         out = np.where(draw < imaging.hot_pixels / 2, np.float32(0), out)
         out = np.where(draw > 1 - imaging.hot_pixels / 2, np.float32(1), out)
     scaled = out * np.float32(_RAW_MAX) + np.float32(0.5)
-    return np.clip(scaled, 0, _RAW_MAX).astype(np.uint16)
+    return np.asarray(np.clip(scaled, 0, _RAW_MAX), np.uint16)
 
 
 def _lens(light: Light, imaging: Imaging) -> Light:
