@@ -1,0 +1,94 @@
+"""What must hold of the repository's files as a whole."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TEXT = {"", ".cfg", ".css", ".html", ".js", ".json", ".md", ".mako", ".py", ".sh", ".svg"}
+TEXT |= {".toml", ".txt", ".yaml", ".yml", ".lock"}
+
+
+def tracked_files():
+    if not (ROOT / ".git").exists() or shutil.which("git") is None:
+        folders = ("backend", "docs", "frontend", "samples", "templates", "tests")
+        return [p for folder in folders for p in (ROOT / folder).rglob("*") if p.is_file()]
+    names = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout.split("\0")
+    return [ROOT / name for name in names if name and (ROOT / name).is_file()]
+
+
+FILES = tracked_files()
+PYTHON = [path for path in FILES if path.suffix == ".py"]
+
+
+def test_every_locked_package_has_hashes():
+    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    blocks = re.split(r"\n(?=\S)", text.strip())
+    assert len(blocks) > 30
+    for block in blocks:
+        assert re.match(r"[a-z0-9-]+==[\w.+!]+", block), block
+        assert "--hash=sha256:" in block, block.splitlines()[0]
+
+
+def test_the_lock_names_no_address():
+    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    assert "://" not in text
+    assert "index" not in text
+
+
+def test_the_lock_holds_every_dependency():
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    asked = project["dependencies"] + project["optional-dependencies"]["dev"]
+    lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    locked = set(re.findall(r"^([a-z0-9-]+)==", lock, re.MULTILINE))
+    names = {re.match(r"[\w-]+", line)[0].lower().replace("_", "-") for line in asked}
+    assert names - locked == set()
+
+
+def test_no_file_names_a_place_on_one_machine():
+    # Written in parts, so that this file does not find itself.
+    places = [rf"/{name}/" for name in ("work", "root", "home/\\w+", "Users/\\w+")]
+    pattern = re.compile("|".join(rf"(?<![\w.~/*-]){place}" for place in places))
+    found = []
+    for path in FILES:
+        if path.suffix in TEXT:
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                if pattern.search(line):
+                    found.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()[:80]}")
+    assert not found
+
+
+@pytest.mark.parametrize(
+    ("folder", "limit_bytes"), [("tests/footage", 8_000_000), ("samples", 3_000_000)]
+)
+def test_pictures_stay_small(folder, limit_bytes):
+    assert sum(p.stat().st_size for p in (ROOT / folder).rglob("*") if p.is_file()) <= limit_bytes
+
+
+def test_ci_runs_the_tests_and_nothing_else():
+    script = ROOT / ".ci" / "run"
+    assert script.stat().st_mode & 0o111
+    commands = [
+        line
+        for line in script.read_text(encoding="utf-8").splitlines()
+        if line and not line.startswith(("#", "set ", "cd "))
+    ]
+    assert commands == ["exec make test"]
+
+
+def test_test_modules_have_names_of_their_own():
+    names = [path.name for path in PYTHON if path.name.startswith("test_")]
+    assert sorted(names) == sorted(set(names))
+
+
+@pytest.mark.parametrize("target", ["install", "run", "test", "check", "bench"])
+def test_make_knows_the_targets_of_the_readme(target):
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    assert re.search(rf"^{target}:", makefile, re.MULTILINE)
