@@ -9,9 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from measure_print import edge_errors_mm, make_pad, pages, pdf_info
+from padstudio.pad.identity import describe
 from padstudio.pad.layout import layout
 from padstudio.render import raster
-from padstudio.render.pdf import describe, paint_pdf
+from padstudio.render.pdf import paint_pdf
 
 
 @pytest.mark.parametrize(("dpi", "most_mm"), [(72, 0.09), (150, 0.05), (203.2, 0.05)])

@@ -46,8 +46,8 @@ def layout(pad: Pad) -> Layout:
     Where a layer ends short of the pad's corner, its channel is dark; a channel without a layer is
     dark all over. The quiet margin is white.
     """
-    x = _edges([layer.cell_mm * np.arange(layer.cols + 1) for layer in pad.layers])
-    y = _edges([layer.cell_mm * np.arange(layer.rows + 1) for layer in pad.layers])
+    x = _edges([layer.cell_mm * np.arange(layer.cols + 1.0) for layer in pad.layers])
+    y = _edges([layer.cell_mm * np.arange(layer.rows + 1.0) for layer in pad.layers])
     colors = np.zeros((len(y) - 1, len(x) - 1, 3), np.uint8)
     middle_x, middle_y = (x[:-1] + x[1:]) / 2, (y[:-1] + y[1:]) / 2
     for layer in pad.layers:
@@ -64,6 +64,16 @@ def layout(pad: Pad) -> Layout:
         y_mm=y + quiet,
         colors=colors,
     )
+
+
+def crop(page: Layout, x0: float, y0: float, x1: float, y1: float) -> Layout:
+    """The part of a layout inside a box; page coordinates, mm, stay as they are.
+
+    Where the box holds nothing but quiet margin, `colors` is empty.
+    """
+    col, x_mm = _crop_edges(page.x_mm, x0, x1)
+    row, y_mm = _crop_edges(page.y_mm, y0, y1)
+    return Layout(page.page_width_mm, page.page_height_mm, x_mm, y_mm, page.colors[row, col])
 
 
 def level_values(levels: int) -> NDArray[np.uint8]:
@@ -99,6 +109,15 @@ def outline_mm(pad: Pad) -> Array:
     """(4, 3) float64: the pad's corners, top left first, clockwise on the page, pad frame, mm."""
     w, h = pad.size_mm
     return np.array([[-w, h, 0], [w, h, 0], [w, -h, 0], [-w, -h, 0]]) / 2.0
+
+
+def _crop_edges(edges: Array, start: float, end: float) -> tuple[slice, Array]:
+    """The patches that reach into start … end, and their edges, clipped to it."""
+    first = max(int(np.searchsorted(edges, start + 1e-6)) - 1, 0)
+    last = min(int(np.searchsorted(edges, end - 1e-6)), len(edges) - 1)
+    if last <= first:
+        return slice(0, 0), np.array([start])
+    return slice(first, last), np.clip(edges[first : last + 1], start, end)
 
 
 def _edges(grids: list[Array]) -> Array:

@@ -10,9 +10,12 @@ Ink = Literal["rgb", "cmyk"]
 
 def fill_operator(rgb: Sequence[int], ink: Ink) -> str:
     """The PDF operator that sets the fill colour to an 8-bit RGB value in the chosen inks."""
-    if ink == "rgb":
-        return " ".join(f"{value / 255:.4g}" for value in rgb) + " rg"
-    return " ".join(f"{value:.4g}" for value in to_cmyk(rgb)) + " k"
+    return f"{_amounts(rgb, ink)} {'rg' if ink == 'rgb' else 'k'}"
+
+
+def stroke_operator(rgb: Sequence[int], ink: Ink) -> str:
+    """The same for lines."""
+    return f"{_amounts(rgb, ink)} {'RG' if ink == 'rgb' else 'K'}"
 
 
 def to_cmyk(rgb: Sequence[int]) -> tuple[float, float, float, float]:
@@ -25,3 +28,8 @@ def to_cmyk(rgb: Sequence[int]) -> tuple[float, float, float, float]:
         return 0.0, 0.0, 0.0, 1.0
     cyan, magenta, yellow = (1 - value / 255 / light for value in rgb)
     return cyan, magenta, yellow, 1 - light
+
+
+def _amounts(rgb: Sequence[int], ink: Ink) -> str:
+    amounts = [value / 255 for value in rgb] if ink == "rgb" else to_cmyk(rgb)
+    return " ".join(f"{amount:.4g}" for amount in amounts)

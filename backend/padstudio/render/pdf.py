@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import io
 import json
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from reportlab.pdfgen.canvas import Canvas
 
+from padstudio.pad.identity import describe
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Pad
 from padstudio.render.inks import Ink
-from padstudio.render.pdf_cells import POINTS_PER_MM, add_cells, place_cells
+from padstudio.render.pdf_cells import add_cells
+from padstudio.render.pdf_pen import Pen
 
 # The largest page side that PDF readers accept at one point a unit; larger pages declare a
 # larger unit (PDF 32000-1:2008, table C.1 and 14.11.2).
 _MAX_SIDE_POINTS = 14_400
+_POINTS_PER_MM = 72 / 25.4
 
 
 def paint_pdf(pad: Pad, *, ink: Ink = "rgb") -> bytes:
@@ -39,45 +42,30 @@ def write_pdf(pad: Pad, out: BinaryIO, *, ink: Ink = "rgb") -> None:
         What the colours are given in.
     """
     page = layout(pad)
-    canvas, unit = open_canvas(pad, out, page.page_width_mm, page.page_height_mm)
-    add_cells(canvas, "pad", page, ink)
-    place_cells(canvas, "pad", 0.0, page.page_height_mm, unit)
-    canvas.showPage()
-    canvas.save()
+    pen = open_document(pad, out, page.page_width_mm, page.page_height_mm, ink)
+    add_cells(pen.canvas, "pad", page, ink)
+    pen.start_page((1.0, 1.0))
+    pen.form("pad")
+    pen.canvas.showPage()
+    pen.canvas.save()
 
 
-def open_canvas(pad: Pad, out: BinaryIO, width_mm: float, height_mm: float) -> tuple[Canvas, float]:
-    """A canvas for pages of one size, with the pad's metadata, and the page's unit in points."""
-    side = max(width_mm, height_mm) * POINTS_PER_MM
-    unit = max(1.0, -(-side // _MAX_SIDE_POINTS))
-    size = (width_mm * POINTS_PER_MM / unit, height_mm * POINTS_PER_MM / unit)
-    canvas = Canvas(out, pagesize=size, pageCompression=1, invariant=1, pdfVersion=(1, 7))
+def open_document(pad: Pad, out: BinaryIO, width_mm: float, height_mm: float, ink: Ink) -> Pen:
+    """A document with pages of one size and the pad's metadata, and the pen that draws on them."""
+    side = max(width_mm, height_mm) * _POINTS_PER_MM
+    user_unit = max(1.0, -(-side // _MAX_SIDE_POINTS))
+    points = _POINTS_PER_MM / user_unit
+    canvas = Canvas(
+        out,
+        pagesize=(width_mm * points, height_mm * points),
+        pageCompression=1,
+        invariant=1,
+        pdfVersion=(1, 7),
+    )
     canvas.setViewerPreference("PrintScaling", "None")
     canvas.setTitle(pad.name)
     canvas.setAuthor("Pad Studio")
     canvas.setCreator("Pad Studio")
     canvas.setSubject("Landing pad, true size: print without scaling")
     canvas.setKeywords(json.dumps(describe(pad)))
-    return canvas, unit
-
-
-def describe(pad: Pad) -> dict[str, Any]:
-    """The pad's spec and seed, without its fields, JSON-serialisable."""
-    spec: dict[str, Any] = {
-        "name": pad.name,
-        "window": pad.window,
-        "levels": pad.levels,
-        "quiet_mm": pad.quiet_mm,
-    }
-    optional = ("seed", "method", "unique", "distance")
-    spec |= {key: getattr(pad, key) for key in optional if getattr(pad, key) is not None}
-    spec["layers"] = [
-        {
-            "channel": layer.channel,
-            "cell_mm": layer.cell_mm,
-            "rows": layer.rows,
-            "cols": layer.cols,
-        }
-        for layer in pad.layers
-    ]
-    return spec
+    return Pen(canvas, points, height_mm, ink)

@@ -12,8 +12,6 @@ from padstudio.pad.layout import Layout
 from padstudio.render.inks import Ink, fill_operator
 from padstudio.render.runs import iter_shapes
 
-POINTS_PER_MM = 72 / 25.4
-
 # Viewers and printers fill a path as a whole; long paths exceed what small printers hold.
 _SHAPES_PER_PATH = 250
 
@@ -21,7 +19,7 @@ _SHAPES_PER_PATH = 250
 def add_cells(canvas: Canvas, name: str, page: Layout, ink: Ink) -> None:
     """Register a layout's cells as a form of the canvas's document.
 
-    The form's unit is 1 mm, y down, its origin the layout's; `place_cells` paints it. Only
+    The form's unit is 1 mm, y down, its origin the layout's. Only
     compressed data are kept in memory.
     """
     packer = zlib.compressobj(6)
@@ -37,16 +35,6 @@ def add_cells(canvas: Canvas, name: str, page: Layout, ink: Ink) -> None:
     form.dictionary["Resources"] = pdfdoc.PDFDictionary({})
     form.dictionary["Filter"] = pdfdoc.PDFName("FlateDecode")
     canvas._doc.Reference(form, pdfdoc.xObjectName(name))
-
-
-def place_cells(canvas: Canvas, name: str, x_mm: float, y_mm: float, user_unit: float) -> None:
-    """Paint a form of `add_cells` with its origin at (x, y), from the page's bottom left, mm."""
-    scale = POINTS_PER_MM / user_unit
-    canvas.saveState()
-    # Written out: the canvas's own `transform` rounds to six decimals.
-    canvas._code.append(f"{scale:.12f} 0 0 {-scale:.12f} {x_mm * scale:.9f} {y_mm * scale:.9f} cm")
-    canvas.doForm(name)
-    canvas.restoreState()
 
 
 def _operators(page: Layout, ink: Ink) -> Iterator[str]:

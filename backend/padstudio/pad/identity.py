@@ -1,0 +1,115 @@
+"""What tells one pad from another: a short id, and a line of text for its QR code."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from padstudio.errors import PadFormatError
+from padstudio.pad.spec import Channel, Pad
+
+_PREFIX = "padstudio:1"
+_OPTIONAL = ("seed", "method", "unique", "distance")
+_LAYER = re.compile(r"(\d+)x(\d+)x(\d+(?:\.\d+)?)")
+
+
+@dataclass(frozen=True)
+class PadLabel:
+    """What a pad's QR code says.
+
+    Attributes
+    ----------
+    pad_id : str
+    window, levels : int
+    quiet_mm : float
+    seed : int or None
+    layers : dict of channel to (rows, cols, cell_mm)
+    """
+
+    pad_id: str
+    window: int
+    levels: int
+    quiet_mm: float
+    seed: int | None
+    layers: dict[Channel, tuple[int, int, float]]
+
+
+def pad_id(pad: Pad) -> str:
+    """Eight letters and digits of what is printed: fields, cell sizes, levels.
+
+    Name, quiet margin and measured scale do not count: they change, the print stays.
+    """
+    digest = hashlib.sha256(f"{pad.levels}".encode())
+    for layer in sorted(pad.layers, key=lambda layer: layer.channel):
+        head = f"|{layer.channel} {layer.rows} {layer.cols} {layer.cell_mm:.6g}|"
+        digest.update(head.encode() + layer.field.tobytes())
+    return base64.b32encode(digest.digest()).decode()[:8]
+
+
+def label_text(pad: Pad) -> str:
+    """The line of a pad's QR code, such as ``padstudio:1;id=…;b=5;y=2;q=0;red=125x125x10``."""
+    words = [_PREFIX, f"id={pad_id(pad)}", f"b={pad.window}", f"y={pad.levels}"]
+    words.append(f"q={pad.quiet_mm:.6g}")
+    if pad.seed is not None:
+        words.append(f"s={pad.seed}")
+    words += [
+        f"{layer.channel}={layer.rows}x{layer.cols}x{layer.cell_mm:.6g}" for layer in pad.layers
+    ]
+    return ";".join(words)
+
+
+def parse_label(text: str) -> PadLabel:
+    """What a pad's QR code says.
+
+    Raises
+    ------
+    PadFormatError
+        If the text is not of a pad's QR code.
+    """
+    prefix, *words = text.strip().split(";")
+    fields = dict(word.partition("=")[::2] for word in words)
+    try:
+        if prefix != _PREFIX:
+            raise ValueError
+        layers: dict[Channel, tuple[int, int, float]] = {}
+        for channel in ("red", "green", "blue"):
+            if channel in fields:
+                found = _LAYER.fullmatch(fields[channel])
+                if found is None:
+                    raise ValueError
+                layers[channel] = (int(found[1]), int(found[2]), float(found[3]))
+        return PadLabel(
+            pad_id=fields["id"],
+            window=int(fields["b"]),
+            levels=int(fields["y"]),
+            quiet_mm=float(fields["q"]),
+            seed=int(fields["s"]) if "s" in fields else None,
+            layers=layers,
+        )
+    except (KeyError, ValueError) as error:
+        raise PadFormatError("the QR code is not one of a Pad Studio pad") from error
+
+
+def describe(pad: Pad) -> dict[str, Any]:
+    """The pad's spec and seed, without its fields, JSON-serialisable."""
+    spec: dict[str, Any] = {
+        "id": pad_id(pad),
+        "name": pad.name,
+        "window": pad.window,
+        "levels": pad.levels,
+        "quiet_mm": pad.quiet_mm,
+    }
+    spec |= {key: getattr(pad, key) for key in _OPTIONAL if getattr(pad, key) is not None}
+    spec["layers"] = [
+        {
+            "channel": layer.channel,
+            "cell_mm": layer.cell_mm,
+            "rows": layer.rows,
+            "cols": layer.cols,
+        }
+        for layer in pad.layers
+    ]
+    return spec
