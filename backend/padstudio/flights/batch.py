@@ -91,9 +91,8 @@ def _result(path: Path, run: Callable[[], Record]) -> Record:
         return _unread(path, error)
     except Exception as error:
         logger.exception("%s brought a defect to light", path)
-        return _unread(
-            path, StudioError(f"a defect of the program: {error}", code="internal_error")
-        )
+        defect = StudioError(f"a defect of the program: {error!r}", code="internal_error")
+        return _unread(path, defect)
 
 
 def _detect_alone(path: Path, pad_text: str, camera_text: str, method: Method) -> Record:
