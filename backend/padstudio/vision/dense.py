@@ -13,15 +13,16 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.choose import Choice, choose
 from padstudio.vision.decode import LayerIndex
+from padstudio.vision.explain import explain
 from padstudio.vision.measure import LayerRead, Measurement, read_layer, refine_pose
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
-from padstudio.vision.planar import PlanarPose, planar_pose
+from padstudio.vision.planar import planar_pose
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import denoised, find_denoise, find_stretch
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import find_regions
-from padstudio.vision.search import Search, Sighting, search
+from padstudio.vision.search import Miss, Search, Sighting, search
 from padstudio.vision.types import (
     Detection,
     Image,
@@ -60,27 +61,24 @@ class Dense:
         stretch = recorder.run("stretch", None, find_stretch, pyramid)
         regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
         frame = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
-        sighting = search(frame, regions)
-        if isinstance(sighting, StageFailure):
-            return Detection(None, sighting)
-        start = recorder.run("pose", None, self._first_pose, sighting)
-        if start is None:
-            return Detection(
-                None,
-                StageFailure("pose", Reason.POSE_REJECTED, "the grid's corners give no pose"),
-            )
-        starts = [start.pose]
-        if start.other is not None and start.ambiguity > _CLEAR:
-            starts.append(start.other)
+        found = search(frame, regions)
+        if isinstance(found, Miss):
+            if recorder.keep:
+                recorder.append(explain(frame, found.region, [], found.level))
+            return Detection(None, found.failure)
+        starts = recorder.run("pose", None, self._first_poses, found)
         measurement = recorder.run("pose", None, self._best_of, pyramid, camera, starts)
         attempts = len(frame.lattices) * len(self.indices)
-        return self._judge(pyramid, camera, measurement, recorder, attempts)
+        detection, reads = self._judge(pyramid, camera, measurement, recorder, attempts)
+        if recorder.keep:
+            recorder.append(explain(frame, found.region, reads, None))
+        return detection
 
     def follow(self, bgr: Image, last: Pose, recorder: Recorder) -> Detection:
         """Find the pad near the pose of the frame before; fails where that does not fit."""
         pyramid, camera = self._prepare(bgr, recorder)
         measurement = recorder.run("pose", None, self._best_of, pyramid, camera, [last])
-        return self._judge(pyramid, camera, measurement, recorder, 1)
+        return self._judge(pyramid, camera, measurement, recorder, 1)[0]
 
     def _prepare(self, bgr: Image, recorder: Recorder) -> tuple[Pyramid, Camera]:
         camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
@@ -89,13 +87,19 @@ class Dense:
         )
         return Pyramid(denoised(bgr, denoise)), camera
 
-    def _first_pose(self, sighting: Sighting) -> PlanarPose | None:
+    def _first_poses(self, sighting: Sighting) -> list[Pose]:
+        """The pose of the sighted lattice; both planar answers where they are near each other."""
         lattice, placement = sighting.lattice, sighting.placement
         columns, rows = np.linspace(*lattice.columns, 5), np.linspace(*lattice.rows, 5)
         here = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         there = np.column_stack([here, np.ones(len(here))]) @ placement.pad_from_lattice.T
         points = to_pad(self.pad, placement.layer, there)
-        return planar_pose(points, lattice.to_rays(here))
+        first = planar_pose(points, lattice.to_rays(here))
+        if first is None:
+            return []
+        if first.other is None or first.ambiguity < _CLEAR:
+            return [first.pose]
+        return [first.pose, first.other]
 
     def _best_of(self, pyramid: Pyramid, camera: Camera, starts: list[Pose]) -> Measurement | None:
         """Refine from each start; the finer layer wins, then the smaller residual."""
@@ -115,25 +119,24 @@ class Dense:
         measurement: Measurement | None,
         recorder: Recorder,
         attempts: int,
-    ) -> Detection:
+    ) -> tuple[Detection, list[LayerRead]]:
         """Read all cells with the refined pose; give it only where they agree with the pad."""
         if measurement is None:
-            return Detection(
-                None,
-                StageFailure(
-                    "pose",
-                    Reason.POSE_REJECTED,
-                    "no layer's borders stand where the first pose puts them",
-                ),
+            failure = StageFailure(
+                "pose",
+                Reason.POSE_REJECTED,
+                "no layer's borders stand where the first pose puts them",
             )
+            recorder.note("pose", None, failure)
+            return Detection(None, failure), []
         pose = measurement.fit.pose.pose
         reads = self._read_layers(pyramid, camera, pose, recorder, attempts)
         choice = recorder.run(
             "choose", None, choose, reads, measurement.layer, self.params.log10_false_alarm
         )
         if isinstance(choice, StageFailure):
-            return Detection(None, choice)
-        return _detection(measurement, choice)
+            return Detection(None, choice), reads
+        return _detection(measurement, choice), reads
 
     def _read_layers(
         self, pyramid: Pyramid, camera: Camera, pose: Pose, recorder: Recorder, attempts: int

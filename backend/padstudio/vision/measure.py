@@ -51,11 +51,14 @@ class Measurement:
         The finest layer that was measured.
     measured : Measured
         Its borders.
+    camera : Camera
+        At the frame's size.
     """
 
     fit: Fit
     layer: Layer
     measured: Measured
+    camera: Camera
 
 
 def refine_pose(
@@ -132,7 +135,7 @@ def _refine_layer(
         if params.refine.motion:
             fit = better_of(fit, fit_pose(fit.pose, measured, camera, motion=True))
         pose, best = fit.pose, (fit, measured)
-    return None if best is None else Measurement(best[0], layer, best[1])
+    return None if best is None else Measurement(best[0], layer, best[1], camera)
 
 
 def _visible_borders(

@@ -50,6 +50,10 @@ class Recorder:
         if self.keep:
             self._records.append(StageRecord(name, channel, elapsed, output))
 
+    def append(self, other: Recorder) -> None:
+        """Keep another run's outputs behind one's own; its time does not count."""
+        self._records.extend(other._records)
+
     def elapsed_ms(self) -> dict[str, float]:
         """Milliseconds per stage, and ``total`` since the recorder was made."""
         return {**self._elapsed, "total": 1e3 * (time.perf_counter() - self._started)}

@@ -31,6 +31,7 @@ class Sighting:
 
     lattice: Lattice
     placement: Placement
+    region: Region
 
 
 @dataclass(frozen=True)
@@ -49,18 +50,29 @@ class Search:
     lattices: list[Lattice] = field(default_factory=list)
 
 
-def search(frame: Search, regions: list[Region]) -> Sighting | StageFailure:
+@dataclass(frozen=True)
+class Miss:
+    """The attempt that came nearest to an answer, and where it failed."""
+
+    failure: StageFailure
+    region: Region
+    level: int
+
+
+def search(frame: Search, regions: list[Region]) -> Sighting | Miss:
     """Look for the pad in regions of a frame, at every scale, in every layer's channel."""
-    worst = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
+    nothing = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
+    nearest = Miss(nothing, regions[0], 0)
     for steep in (False, True):
         for region in regions:
             for level in _levels(region, frame.params):
                 for channel in frame.indices:
-                    found = _look(frame, region, level, channel, steep=steep)
+                    found = look(frame, region, level, channel, steep=steep)
                     if isinstance(found, Sighting):
                         return found
-                    worst = _further(worst, found)
-    return worst
+                    if _ORDER[found.stage] >= _ORDER[nearest.failure.stage]:
+                        nearest = Miss(found, region, level)
+    return nearest
 
 
 def _levels(region: Region, params: DetectorParams) -> Iterator[int]:
@@ -73,14 +85,10 @@ def _levels(region: Region, params: DetectorParams) -> Iterator[int]:
 _ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
 
 
-def _further(a: StageFailure, b: StageFailure) -> StageFailure:
-    """The failure of the later stage: it came nearest to an answer."""
-    return b if _ORDER[b.stage] >= _ORDER[a.stage] else a
-
-
-def _look(
+def look(
     frame: Search, region: Region, level: int, channel: Channel, *, steep: bool
 ) -> Sighting | StageFailure:
+    """Look for the pad in one channel of one region at one scale."""
     recorder = frame.recorder
     plane = recorder.run(
         "channel", channel, take_channel, frame.pyramid, frame.stretch, channel, level, region.box
@@ -93,7 +101,7 @@ def _look(
     lattice = _lattice(frame, edges, channel, steep=steep)
     if isinstance(lattice, StageFailure):
         return lattice
-    return _place(frame, lattice)
+    return _place(frame, lattice, region)
 
 
 def _edges_in(plane: Plane, camera: Camera, region: Region) -> EdgeSet:
@@ -136,7 +144,7 @@ def _lattice(
     return best
 
 
-def _place(frame: Search, lattice: Lattice) -> Sighting | StageFailure:
+def _place(frame: Search, lattice: Lattice, region: Region) -> Sighting | StageFailure:
     best: Placement | None = None
     frame.lattices.append(lattice)
     attempts = len(frame.lattices) * len(frame.indices)
@@ -148,7 +156,7 @@ def _place(frame: Search, lattice: Lattice) -> Sighting | StageFailure:
         if placement is None:
             continue
         if placement.evidence.suffices(frame.params.log10_false_alarm):
-            return Sighting(lattice, placement)
+            return Sighting(lattice, placement, region)
         if best is None or placement.evidence.skill > best.evidence.skill:
             best = placement
     if best is None:

@@ -1,0 +1,143 @@
+"""Strokes and colours of the overlays."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.vision.cells import CellGrid
+from padstudio.vision.lattice import Lattice
+from padstudio.vision.measure import Measurement
+from padstudio.vision.types import Array, Image
+
+Color = tuple[int, int, int]
+
+#: The two line families, told apart by lightness as well as by hue.
+FIRST: Color = (70, 190, 255)
+SECOND: Color = (255, 200, 60)
+RIGHT: Color = (90, 220, 90)
+WRONG: Color = (60, 60, 255)
+UNKNOWN: Color = (200, 200, 200)
+_AXES: tuple[Color, Color, Color] = ((80, 80, 255), (90, 220, 90), (255, 140, 80))
+# Positions are drawn with this many fractional bits.
+_SHIFT = 4
+_MOST_LINES = 400
+
+
+def fit(image: Image, width: int) -> Image:
+    """A copy no wider than ``width``."""
+    if image.shape[1] <= width:
+        return image.copy()
+    height = round(image.shape[0] * width / image.shape[1])
+    return np.asarray(cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def gray(values: NDArray[np.float32]) -> Image:
+    """A plane as a grey picture, (h, w, 3) uint8."""
+    plane = np.clip(np.round(values), 0, 255).astype(np.uint8)
+    return np.asarray(cv2.cvtColor(plane, cv2.COLOR_GRAY2BGR), np.uint8)
+
+
+def dim(picture: Image) -> Image:
+    """A darker copy, on which strokes stand out."""
+    return (picture * 0.55).astype(np.uint8)
+
+
+def points(picture: Image, xy: Array, color: Color) -> None:
+    """Set single pixels."""
+    at = np.round(xy).astype(int)
+    h, w = picture.shape[:2]
+    inside = (at[:, 0] >= 0) & (at[:, 1] >= 0) & (at[:, 0] < w) & (at[:, 1] < h)
+    picture[at[inside, 1], at[inside, 0]] = color
+
+
+def lattice(picture: Image, found: Lattice) -> None:
+    """Draw numbered grid lines into the plane they were found in."""
+    edges = found.families.edges
+    scale = _ray_to_pixel(edges.rays[:, :2], edges.plane.from_frame(edges.xy))
+    spans = ((found.columns, found.rows, FIRST), (found.rows, found.columns, SECOND))
+    for axis, (numbers, span, color) in enumerate(spans):
+        step = max(1, (numbers[1] - numbers[0]) // _MOST_LINES)
+        for number in range(numbers[0], numbers[1] + 1, step):
+            along = np.linspace(span[0], span[1], 24)
+            fixed = np.full_like(along, number)
+            pair = (fixed, along) if axis == 0 else (along, fixed)
+            line = scale(found.to_rays(np.stack(pair, axis=1)))
+            _polyline(picture, line, color)
+
+
+def _ray_to_pixel(rays: Array, pixels: Array):  # type: ignore[no-untyped-def]
+    """A smooth map from rays to plane pixels, lens included, fitted to the edges' own pairs."""
+    centre, spread = rays.mean(axis=0), max(float(rays.std()), 1e-9)
+
+    def terms(r: Array) -> Array:
+        x, y = ((r - centre) / spread).T
+        return np.stack(
+            [np.ones_like(x), x, y, x * x, x * y, y * y, x**3, x * x * y, x * y * y, y**3], axis=1
+        )
+
+    solved = np.linalg.lstsq(terms(rays), pixels, rcond=None)[0]
+    return lambda r: terms(r) @ solved
+
+
+def _polyline(picture: Image, xy: Array, color: Color, thickness: int = 1) -> None:
+    if not np.isfinite(xy).all() or np.abs(xy).max() > 1e5:
+        return
+    at = np.round(xy * (1 << _SHIFT)).astype(np.int32)
+    cv2.polylines(picture, [at.reshape(-1, 1, 2)], False, color, thickness, cv2.LINE_AA, _SHIFT)
+
+
+class Canvas:
+    """A picture of a frame to draw on in frame pixels.
+
+    Parameters
+    ----------
+    picture : (h, w, 3) uint8
+        Drawn into.
+    scale : float
+        Frame pixels per pixel of the picture.
+    """
+
+    def __init__(self, picture: Image, scale: float) -> None:
+        self.picture = picture
+        self._scale = scale
+
+    def _at(self, xy: Array) -> Array:
+        return (xy + 0.5) / self._scale - 0.5
+
+    def cells(self, cells: CellGrid, expected: NDArray[np.int8], _read: int) -> None:
+        """Mark each read cell: green where it agrees with the pad, red where it does not."""
+        count = max(int(expected.max()) + 1, 2)
+        levels = cells.levels(count)
+        radius = float(np.clip(cells.cell_px / self._scale * 0.16, 0.5, 9))
+        xy = self._at(cells.xy)
+        for row, col in zip(*np.nonzero(cells.seen), strict=True):
+            if expected[row, col] < 0:
+                continue
+            agrees = levels[row, col] == expected[row, col]
+            self._dot(xy[row, col], radius if agrees else radius * 1.6, RIGHT if agrees else WRONG)
+
+    def _dot(self, xy: Array, radius: float, color: Color) -> None:
+        x, y = (int(v) for v in np.round(xy * (1 << _SHIFT)))
+        r = max(1, round(radius * (1 << _SHIFT)))
+        cv2.circle(self.picture, (x, y), r, color, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+
+    def borders(self, found: Measurement) -> None:
+        """Mark the measured borders, those that count and those that do not."""
+        at = self._at(found.measured.xy)
+        for inlier, color in ((False, WRONG), (True, SECOND)):
+            for xy in at[found.fit.inliers == inlier]:
+                self._dot(xy, 1.2, color)
+
+    def axes(self, found: Measurement) -> None:
+        """Draw the pad's axes (X red, Y green, Z blue) amid the measured part."""
+        points_mm = found.measured.borders.points_mm
+        origin = points_mm.mean(axis=0)
+        length = 0.4 * max(float(np.ptp(points_mm[:, :2], axis=0).min()), found.layer.cell_mm)
+        ends = origin + length * np.eye(3)
+        at = self._at(found.fit.pose.project(found.camera, np.vstack([origin, ends])))
+        for end, color in zip(at[1:], _AXES, strict=True):
+            if np.isfinite(end).all() and np.isfinite(at[0]).all():
+                _polyline(self.picture, np.stack([at[0], end]), (0, 0, 0), 6)
+                _polyline(self.picture, np.stack([at[0], end]), color, 3)

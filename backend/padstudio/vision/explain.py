@@ -1,0 +1,73 @@
+"""For a trace: every channel through every stage, at the scale of its own layer.
+
+The search ends at the first channel that answers. Whoever debugs wants to see the others as well,
+so a trace runs the same stages once more for each channel; the result does not depend on it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from padstudio.pad.spec import Channel
+from padstudio.vision.block_mean import block_mean, clean
+from padstudio.vision.measure import LayerRead
+from padstudio.vision.planes import Pyramid
+from padstudio.vision.prepare import take_channel
+from padstudio.vision.recorder import Recorder
+from padstudio.vision.regions import Region
+from padstudio.vision.search import Search, Sighting, look
+
+# A cell is this wide where its layer is shown, pixels of the plane.
+_SHOWN_CELL_PX = 9.0
+_BLOCKS = 12
+
+
+def explain(
+    frame: Search, region: Region, reads: Sequence[LayerRead], level: int | None
+) -> Recorder:
+    """Run each layer's channel through the stages.
+
+    Parameters
+    ----------
+    frame : Search
+    region : Region
+        Where to look.
+    reads : sequence of LayerRead
+        Layers read with the final pose; empty where there is none.
+    level : int or None
+        Scale for channels of which no cells were read; None for a middling one.
+
+    Returns
+    -------
+    Recorder
+        Holds the records.
+    """
+    recorder = Recorder(keep=True)
+    local = Search(
+        frame.pyramid, frame.camera, frame.stretch, frame.indices, frame.params, recorder
+    )
+    widths = {read.layer.channel: read.cells.cell_px for read in reads}
+    for channel in frame.indices:
+        shown = _level(frame.pyramid, widths.get(channel), level)
+        plane = take_channel(frame.pyramid, frame.stretch, channel, shown, region.box)
+        binary = recorder.run("block_mean", channel, block_mean, plane, _BLOCKS)
+        recorder.run("clean", channel, clean, binary, 2)
+        _run(local, region, shown, channel)
+    for read in reads:
+        recorder.note("decode", read.layer.channel, read)
+    return recorder
+
+
+def _run(frame: Search, region: Region, level: int, channel: Channel) -> None:
+    found = look(frame, region, level, channel, steep=True)
+    if not isinstance(found, Sighting):
+        frame.recorder.note(found.stage, channel, found)
+
+
+def _level(pyramid: Pyramid, cell_px: float | None, level: int | None) -> int:
+    if cell_px is not None:
+        return max(0, math.floor(math.log2(max(cell_px / _SHOWN_CELL_PX, 1.0))))
+    if level is not None:
+        return level
+    return max(0, round(math.log2(max(pyramid.width / 700, 1.0))))
