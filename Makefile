@@ -57,7 +57,7 @@ $(STAMPS)/tools: tests/install-tools.sh
 	@touch $@
 
 test: check $(STAMPS)/tools
-	$(PYTHON) -m pytest -n auto --dist loadgroup $(ARGS)
+	$(PYTHON) -m pytest -n auto --dist loadfile $(ARGS)
 
 bench: install
 	$(PYTHON) tests/benchmarks/run.py $(ARGS)

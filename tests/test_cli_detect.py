@@ -157,9 +157,7 @@ def test_a_reader_that_goes_away_is_no_error():
     ) as process:
         process.stdout.close()
         errors = process.stderr.read()
-    assert process.returncode == 1
-    assert errors.count("\n") == 1
-    assert "truth.json" in errors
+    assert (process.returncode, errors) == (1, "")
 
 
 def test_two_processes_give_what_one_gives():
