@@ -10,14 +10,15 @@ import { levelShares } from "./padLogic.js";
 import { bigNumber, capacity, DEFAULT_SPEC, sheetSize, specToTexts } from "./specLogic.js";
 
 /**
+ * How much of all codes the red layer's windows use.
  * @param {PadSpec} spec
- * @returns {string} for example "14 641 of 8 388 608 (0.17 %)"
+ * @returns {string} for example "0.17 % of 8 388 608"
  */
 export function capacityInWords(spec) {
-  const { windows, log10Codes, share } = capacity(spec);
+  const { log10Codes, share } = capacity(spec);
   const percent = 100 * share;
-  const text = percent >= 0.01 ? ` (${compact(percent, 2)} %)` : "";
-  return `${number(windows)} of ${bigNumber(log10Codes)}${text}`;
+  const used = percent >= 0.01 ? `${compact(percent, 2)} %` : "below 0.01 %";
+  return `${used} of ${bigNumber(log10Codes)}`;
 }
 
 /** @param {PadSpec} spec @returns {string} */
@@ -37,7 +38,7 @@ export function padFacts(pad) {
   facts.push(["Window, levels", `${pad.window} × ${pad.window}, ${pad.levels}`]);
   for (const layer of pad.layers) {
     const name = layer.channel.charAt(0).toUpperCase() + layer.channel.slice(1);
-    facts.push([`${name} cells`, `${layer.cols} × ${layer.rows} of ${compact(layer.cellMm, 3)} mm`]);
+    facts.push([`${name} cells`, `${layer.cols} × ${layer.rows}, ${compact(layer.cellMm, 3)} mm`]);
     const bright = 100 * (levelShares(layer, pad.levels).at(-1) ?? 0);
     facts.push([`${name} at full level`, `${number(bright, 1)} %`]);
   }

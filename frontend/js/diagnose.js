@@ -30,7 +30,8 @@ import { mountStageGrid } from "./components/stageGrid.js";
 import { mountStatus } from "./components/status.js";
 import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } from "./diagnoseLogic.js";
 import * as queue from "./queueLogic.js";
-import { arrangeStages, resultCards } from "./stagesLogic.js";
+import { makeReader } from "./reader.js";
+import { arrangeStages, channelsOf, resultCards, stagesOf } from "./stagesLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -77,11 +78,16 @@ const lightbox = mountLightbox(byId("lightbox"), {
 });
 const status = mountStatus(byId("status"));
 
-/** @type {AbortController | null} */
-let running = null;
+const reader = makeReader({
+  next: () => queue.nextWaiting(state.frames, state.selectedId),
+  job: () => state,
+  change,
+});
 let addressTimer = 0;
+/** @type {import("./stagesLogic.js").StageCard[]} */
+const NO_CARDS = [];
 /** Cards are made once an answer, so that pictures do not load anew at every change. */
-const cardsOf = memoize((/** @type {queue.DetectAnswer} */ answer) => arrangeStages(answer.trace?.stages ?? []));
+const cardsOf = memoize((/** @type {queue.DetectAnswer} */ answer) => arrangeStages(stagesOf(answer)));
 
 /** @param {Partial<State>} change */
 function set(change) {
@@ -118,8 +124,8 @@ function render() {
   }
   frameList.update({ frames: state.frames, selectedId: state.selectedId });
   report.update({ frame, notes: resultNotes(frame, camera) });
-  const cards = frame?.answer ? cardsOf(frame.answer) : [];
-  grid.update({ cards });
+  const cards = frame?.answer ? cardsOf(frame.answer) : NO_CARDS;
+  grid.update({ cards, channels: channelsOf(stagesOf(frame?.answer)) });
   const all = [...cards, ...resultCards(frame?.answer?.trace?.result_picture ?? null)];
   lightbox.update({ cards: all, stage: state.stage, wish: state.wish, viewport: state.viewport });
   byId("welcome").hidden = state.frames.length > 0;
@@ -132,41 +138,16 @@ function render() {
  * @param {Partial<State>} change
  */
 function rerun(change) {
-  running?.abort();
+  reader.abort();
   const frames = queue.requeued(state.frames);
   const kept = frames.some((frame) => frame.id === state.selectedId);
   set({ ...change, frames, selectedId: kept ? state.selectedId : (frames[0]?.id ?? null) });
-  void work();
-}
-
-/** Read the waiting pictures one after the other. */
-async function work() {
-  if (running || !state.pad || !state.camera) return;
-  for (;;) {
-    const frame = queue.nextWaiting(state.frames, state.selectedId);
-    if (!frame?.file) break;
-    const mine = new AbortController();
-    running = mine;
-    change(frame.id, { status: "running" });
-    try {
-      const { pad, camera, method } = state;
-      const answer = await api.detect({ image: frame.file, pad, camera, method }, mine.signal);
-      if (!mine.signal.aborted) change(frame.id, { status: answer.result.status, answer });
-    } catch (error) {
-      if (!api.isAbort(error)) refuse(frame.id, api.messageOf(error));
-    }
-  }
-  running = null;
+  void reader.work();
 }
 
 /** @param {string} id @param {Partial<Frame>} values */
 function change(id, values) {
   set({ frames: queue.withFrame(state.frames, id, values) });
-}
-
-/** @param {string} id @param {string} message */
-function refuse(id, message) {
-  change(id, { status: "refused", message });
 }
 
 /** @param {File[]} files */
@@ -178,7 +159,7 @@ async function takeFiles(files) {
     else if (kind === "camera") await takeCamera(file);
     else addFrame(file);
   }
-  void work();
+  void reader.work();
 }
 
 /** @param {File} file */
@@ -228,7 +209,7 @@ function onSelect(id) {
 
 /** @param {string} id */
 function onRemove(id) {
-  if (state.frames.find((frame) => frame.id === id)?.status === "running") running?.abort();
+  if (state.frames.find((frame) => frame.id === id)?.status === "running") reader.abort();
   const frames = state.frames.filter((frame) => frame.id !== id);
   const selectedId = state.selectedId === id ? (frames[0]?.id ?? null) : state.selectedId;
   set({ frames, selectedId, stage: null });
@@ -280,7 +261,7 @@ async function start() {
     set({ status: { kind: "bad", text: api.messageOf(error) } });
   }
   await restore();
-  void work();
+  void reader.work();
 }
 
 byId("method").addEventListener("change", (/** @type {Event} */ event) => {

@@ -96,6 +96,23 @@ export function arrangeStages(stages) {
   return [...cards.values()].sort((a, b) => place(a) - place(b));
 }
 
+/**
+ * The stages of an answer, none where it holds no trace.
+ * @param {{trace: {stages: StageAnswer[]} | null} | null | undefined} answer
+ * @returns {StageAnswer[]}
+ */
+export const stagesOf = (answer) => answer?.trace?.stages ?? [];
+
+/**
+ * The channels that a trace went through, in the order of the page's columns.
+ * @param {StageAnswer[]} stages
+ * @returns {Channel[]}
+ */
+export function channelsOf(stages) {
+  const found = new Set(stages.map((run) => run.channel));
+  return /** @type {Channel[]} */ (CHANNEL_ORDER).filter((channel) => found.has(channel));
+}
+
 /** @param {Channel | null} channel */
 const orderOf = (channel) => (channel ? CHANNEL_ORDER.indexOf(channel) : -1);
 

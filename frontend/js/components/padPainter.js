@@ -15,7 +15,7 @@
 import { layerPixels, layersOfView } from "../padLogic.js";
 import { toView } from "../viewportLogic.js";
 
-const GRID_FROM_PX = 9;
+const GRID_FROM_PX = 10;
 const DIGITS_FROM_PX = 26;
 
 /** @type {WeakMap<LayerView, HTMLCanvasElement>} */
@@ -91,7 +91,11 @@ export function paintPad(canvas, pad, view, viewport, mark = null) {
   }
   context.globalCompositeOperation = "source-over";
   const screen = { context, box, ratio, width, height };
-  for (const layer of layers) paintGrid(screen, pad, layer, viewport, layers.length === 1);
+  // A grid of coarse cells alone, over fine ones, would look like part of the print.
+  const isGridLegible = layers.length > 0 && layers[0].cellMm * viewport.scale >= GRID_FROM_PX;
+  for (const layer of isGridLegible ? layers : []) {
+    paintGrid(screen, pad, layer, viewport, layers.length === 1);
+  }
   if (mark) paintMark(screen, pad, mark);
 }
 
@@ -114,7 +118,6 @@ export function paintPad(canvas, pad, view, viewport, mark = null) {
  */
 function paintGrid({ context, box, ratio, width, height }, pad, layer, viewport, alone) {
   const cellPx = layer.cellMm * viewport.scale;
-  if (cellPx < GRID_FROM_PX) return;
   const range = (/** @type {number} */ at, /** @type {number} */ extent, /** @type {number} */ count) => {
     const half = extent / 2 / viewport.scale;
     const first = Math.floor((at - half - pad.quietMm) / layer.cellMm);
@@ -125,7 +128,6 @@ function paintGrid({ context, box, ratio, width, height }, pad, layer, viewport,
   const [row0, row1] = range(viewport.y, height, layer.rows);
   context.strokeStyle = "rgb(150 150 150 / 55%)";
   context.lineWidth = ratio;
-  context.fillStyle = "#9a9a9a";
   context.font = `${Math.round(Math.min(16, cellPx / 3) * ratio)}px ui-monospace, monospace`;
   context.textAlign = "center";
   context.textBaseline = "middle";
@@ -135,6 +137,8 @@ function paintGrid({ context, box, ratio, width, height }, pad, layer, viewport,
       context.strokeRect(x + ratio / 2, y + ratio / 2, w, h);
       if (alone && cellPx >= DIGITS_FROM_PX) {
         const level = layer.levels[row * layer.cols + col];
+        // Full green is too bright for white digits.
+        context.fillStyle = layer.channel === "green" && 2 * level >= pad.levels ? "#000" : "#fff";
         context.fillText(level.toString(36), x + w / 2, y + h / 2);
       }
     }

@@ -3,6 +3,7 @@
  *
  * @typedef {import("../stagesLogic.js").StageCard} StageCard
  * @typedef {import("../stagesLogic.js").StageAnswer} StageAnswer
+ * @typedef {import("../stagesLogic.js").Channel} Channel
  */
 
 import { duration } from "../formatLogic.js";
@@ -14,6 +15,7 @@ import { reasonInWords } from "../stagesLogic.js";
  */
 export function mountStageGrid(root, { onOpen }) {
   const list = /** @type {HTMLElement} */ (root.querySelector("[data-ref=list]"));
+  const shared = /** @type {HTMLElement} */ (root.querySelector("[data-ref=shared]"));
   /** @type {StageCard[] | null} */
   let shown = null;
 
@@ -30,8 +32,8 @@ export function mountStageGrid(root, { onOpen }) {
     const part = (/** @type {string} */ name) =>
       /** @type {HTMLElement} */ (element.querySelector(`[data-ref=${name}]`));
     element.toggleAttribute("data-failed", Boolean(run.failure));
-    part("channel").textContent = run.channel ?? "both channels";
-    part("channel").className = run.channel ? `channel channel-${run.channel}` : "quiet";
+    part("channel").textContent = run.channel ?? "";
+    part("channel").className = run.channel ? `channel channel-${run.channel}` : "";
     part("time").textContent = duration(run.elapsed_ms);
     part("failure").textContent = run.failure ? reasonInWords(run.failure.reason) : "";
     part("failure").title = run.failure?.detail ?? "";
@@ -40,21 +42,26 @@ export function mountStageGrid(root, { onOpen }) {
     if (run.picture) {
       image.src = run.thumbnail ?? run.picture;
       image.alt = "";
-      open.setAttribute("aria-label", `Enlarge ${card.title}, ${run.channel ?? "both channels"}`);
+      open.setAttribute("aria-label", `Enlarge ${card.title}${run.channel ? `, ${run.channel}` : ""}`);
       open.dataset.stage = run.name;
       open.dataset.channel = run.channel ?? "";
       open.addEventListener("click", () => onOpen(run.name, run.channel));
-    } else {
-      open.replaceWith(Object.assign(document.createElement("p"), {
-        className: "stage-blank",
-        textContent: run.failure ? "nothing found" : "no picture",
-      }));
-    }
+    } else open.replaceWith(blank(run.failure ? "nothing found" : "no picture"));
     return element;
   }
 
-  /** @param {StageCard} card @param {number} at */
-  function cardOf(card, at) {
+  /** A channel that had failed before this stage. @param {string} channel */
+  function unreached(channel) {
+    const element = clone("run");
+    const name = /** @type {HTMLElement} */ (element.querySelector("[data-ref=channel]"));
+    name.textContent = channel;
+    name.className = `channel channel-${channel}`;
+    element.querySelector("[data-ref=open]")?.replaceWith(blank("not reached"));
+    return element;
+  }
+
+  /** @param {StageCard} card @param {number} at @param {Channel[]} channels */
+  function cardOf(card, at, channels) {
     const element = clone("card");
     const part = (/** @type {string} */ name) =>
       /** @type {HTMLElement} */ (element.querySelector(`[data-ref=${name}]`));
@@ -63,17 +70,33 @@ export function mountStageGrid(root, { onOpen }) {
     part("number").textContent = String(at + 1);
     part("title").textContent = card.title;
     part("about").textContent = card.about;
-    part("runs").replaceChildren(...card.runs.map((run) => runOf(card, run)));
+    const runs = isShared(card)
+      ? card.runs.map((run) => runOf(card, run))
+      : channels.map((channel) => {
+          const run = card.runs.find((each) => each.channel === channel);
+          return run ? runOf(card, run) : unreached(channel);
+        });
+    part("runs").replaceChildren(...runs);
     return element;
   }
 
   return {
-    /** @param {{cards: StageCard[]}} state */
-    update({ cards }) {
+    /** @param {{cards: StageCard[], channels: Channel[]}} state */
+    update({ cards, channels }) {
       root.hidden = !cards.length;
       if (cards === shown) return;
       shown = cards;
-      list.replaceChildren(...cards.map(cardOf));
+      list.dataset.channels = String(channels.length);
+      const elements = cards.map((card, at) => cardOf(card, at, channels));
+      list.replaceChildren(...elements.filter((_, at) => !isShared(cards[at])));
+      shared.replaceChildren(...elements.filter((_, at) => isShared(cards[at])));
     },
   };
 }
+
+/** A stage that serves all channels. @param {StageCard} card */
+const isShared = (card) => card.runs[0].channel === null;
+
+/** What stands where there is no picture. @param {string} text */
+const blank = (text) =>
+  Object.assign(document.createElement("p"), { className: "stage-blank", textContent: text });
