@@ -1,4 +1,4 @@
-"""``padstudio detect``: poses of many frames, as JSON lines."""
+"""``padstudio detect``: poses of many frames, as JSON lines; ``padstudio cameras``."""
 
 from __future__ import annotations
 
@@ -36,8 +36,9 @@ _EXAMPLES = (
 
 
 def register(app: typer.Typer) -> None:
-    """Add the command to the program."""
+    """Add the commands to the program."""
     app.command(epilog=_EXAMPLES)(detect)
+    app.command()(cameras)
 
 
 def detect(
@@ -134,3 +135,20 @@ def _show_summary(records: list[dict[str, Any]]) -> None:
     if times:
         table.caption = f"median {statistics.median(times):.0f} ms a frame, picture decoded"
     Console(stderr=True).print(table)
+
+
+def cameras() -> None:
+    """List the nominal cameras that --camera takes in place of a file."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from padstudio.geometry import presets
+
+    table = Table("camera", "size", "focal length", caption=presets.NOTE)
+    # Never shortened, as it is there to be copied.
+    table.add_column("id", no_wrap=True, min_width=max(map(len, presets.PRESETS)))
+    for preset in presets.PRESETS.values():
+        camera = preset.camera
+        size = f"{camera.width} x {camera.height}"
+        table.add_row(camera.name, size, f"{camera.focal_px:.0f} px", preset.id)
+    Console().print(table)
