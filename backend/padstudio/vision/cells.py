@@ -10,13 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel
 from padstudio.vision.planes import Box, Pyramid
 from padstudio.vision.types import Array
 
-#: Lattice coordinates (N, 2) to rays on the plane z = 1, (N, 2).
-ToRays = Callable[[Array], Array]
+#: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
+ToPixels = Callable[[Array], Array]
 
 # Cells are read at the level where they are at least this wide, pixels.
 _READING_WIDTH = 4.0
@@ -70,9 +69,8 @@ def to_levels(relative: NDArray[np.float32], count: int) -> NDArray[np.int8]:
 
 def read_cells(
     pyramid: Pyramid,
-    camera: Camera,
     channel: Channel,
-    to_rays: ToRays,
+    to_pixels: ToPixels,
     columns: tuple[int, int],
     rows: tuple[int, int],
 ) -> CellGrid | None:
@@ -81,10 +79,8 @@ def read_cells(
     Parameters
     ----------
     pyramid : Pyramid
-    camera : Camera
-        At the frame's size.
     channel : {"red", "green", "blue"}
-    to_rays : callable
+    to_pixels : callable
     columns, rows : (first, last)
         Lattice coordinates of the outer corners.
 
@@ -97,7 +93,8 @@ def read_cells(
     if not len(c) or not len(r):
         return None
     grid = np.stack(np.meshgrid(c, r), axis=-1)
-    xy = camera.denormalize(to_rays(grid.reshape(-1, 2))).reshape(*grid.shape)
+    xy = to_pixels(grid.reshape(-1, 2)).reshape(*grid.shape)
+    xy = np.where(np.isfinite(xy), xy, -1e6)
     seen = (
         (xy[..., 0] >= 0)
         & (xy[..., 1] >= 0)

@@ -34,6 +34,10 @@ from padstudio.vision.view import to_pad
 
 # Below this ratio of the two planar poses' errors the first one is beyond doubt.
 _CLEAR = 0.15
+# Residuals beyond this share of the measured cells' width mean that the borders are not these.
+_MOST_RESIDUAL = 0.12
+# While following, layers with cells of this width and number must agree.
+_READABLE_PX, _ENOUGH = 5.0, 30
 
 
 class Dense:
@@ -74,11 +78,25 @@ class Dense:
             recorder.append(explain(frame, found.region, reads, None))
         return detection
 
-    def follow(self, bgr: Image, last: Pose, recorder: Recorder) -> Detection:
-        """Find the pad near the pose of the frame before; fails where that does not fit."""
+    def follow(self, bgr: Image, expected: Pose, recorder: Recorder) -> Detection:
+        """Find the pad near an expected pose; fails where the picture does not bear it out.
+
+        A near miss must not pass for a lock, so every layer that can be read has to agree.
+        """
         pyramid, camera = self._prepare(bgr, recorder)
-        measurement = recorder.run("pose", None, self._best_of, pyramid, camera, [last])
-        return self._judge(pyramid, camera, measurement, recorder, 1)[0]
+        measurement = recorder.run("pose", None, self._best_of, pyramid, camera, [expected])
+        detection, reads = self._judge(pyramid, camera, measurement, recorder, 1)
+        for read in reads:
+            readable = read.cells.cell_px >= _READABLE_PX and read.evidence.read >= _ENOUGH
+            if detection.ok and readable and not read.evidence.suffices(0.0):
+                failure = StageFailure(
+                    "pose",
+                    Reason.POSE_REJECTED,
+                    f"near the last pose {read.evidence.wrong} of {read.evidence.read} "
+                    f"{read.layer.channel} cells differ from the pad",
+                )
+                return Detection(None, failure)
+        return detection
 
     def _prepare(self, bgr: Image, recorder: Recorder) -> tuple[Pyramid, Camera]:
         camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
@@ -121,15 +139,11 @@ class Dense:
         attempts: int,
     ) -> tuple[Detection, list[LayerRead]]:
         """Read all cells with the refined pose; give it only where they agree with the pad."""
-        if measurement is None:
-            failure = StageFailure(
-                "pose",
-                Reason.POSE_REJECTED,
-                "no layer's borders stand where the first pose puts them",
-            )
+        failure = _unfit(measurement)
+        if failure is not None or measurement is None:
             recorder.note("pose", None, failure)
             return Detection(None, failure), []
-        pose = measurement.fit.pose.pose
+        pose = measurement.fit.pose
         reads = self._read_layers(pyramid, camera, pose, recorder, attempts)
         choice = recorder.run(
             "choose", None, choose, reads, measurement.layer, self.params.log10_false_alarm
@@ -139,7 +153,7 @@ class Dense:
         return _detection(measurement, choice), reads
 
     def _read_layers(
-        self, pyramid: Pyramid, camera: Camera, pose: Pose, recorder: Recorder, attempts: int
+        self, pyramid: Pyramid, camera: Camera, pose: MovingPose, recorder: Recorder, attempts: int
     ) -> list[LayerRead]:
         reads = []
         for layer in self.pad.layers:
@@ -150,6 +164,17 @@ class Dense:
             if read is not None:
                 reads.append(read)
         return reads
+
+
+def _unfit(measurement: Measurement | None) -> StageFailure | None:
+    if measurement is None:
+        detail = "no layer's borders stand where the first pose puts them"
+        return StageFailure("pose", Reason.POSE_REJECTED, detail)
+    residual, cell = measurement.fit.rms_px, measurement.cell_px
+    if residual > _MOST_RESIDUAL * cell + 0.5:
+        detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
+        return StageFailure("pose", Reason.POSE_REJECTED, detail)
+    return None
 
 
 def _detection(measurement: Measurement, choice: Choice) -> Detection:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.borders import Borders, Measured, layer_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
@@ -53,12 +52,15 @@ class Measurement:
         Its borders.
     camera : Camera
         At the frame's size.
+    cell_px : float
+        Median width of a cell of the layer, frame pixels.
     """
 
     fit: Fit
     layer: Layer
     measured: Measured
     camera: Camera
+    cell_px: float
 
 
 def refine_pose(
@@ -77,7 +79,7 @@ def refine_pose(
         found = _refine_layer(pyramid, camera, pad, layer, pose, params)
         if found is None:
             continue
-        read = read_layer(pyramid, camera, pad, layer, found.fit.pose.pose, places=1)
+        read = read_layer(pyramid, camera, pad, layer, found.fit.pose, places=1)
         if read is None or not read.evidence.suffices(0.0):
             continue
         best, pose = found, found.fit.pose
@@ -85,7 +87,7 @@ def refine_pose(
 
 
 def read_layer(
-    pyramid: Pyramid, camera: Camera, pad: Pad, layer: Layer, pose: Pose, places: int
+    pyramid: Pyramid, camera: Camera, pad: Pad, layer: Layer, pose: MovingPose, places: int
 ) -> LayerRead | None:
     """Read a layer's visible cells where a pose puts them, and compare them with the pad.
 
@@ -94,17 +96,14 @@ def read_layer(
     places : int
         Among how many places this one was chosen; it weakens the evidence.
     """
-    rows, cols = visible_range(pad, layer, camera, pose)
+    rows, cols = visible_range(pad, layer, camera, pose.pose)
     if rows[0] >= rows[1] or cols[0] >= cols[1]:
         return None
 
-    def to_rays(coordinates: Array) -> Array:
-        seen = (to_pad(pad, layer, coordinates) - pose.position_mm) @ pose.rotation
-        # Points behind the camera are sent far out of the picture.
-        depth = np.where(seen[:, 2:] > 1e-3, seen[:, 2:], 1e-3)
-        return np.asarray(seen[:, :2] / depth)
+    def to_pixels(coordinates: Array) -> Array:
+        return pose.project(camera, to_pad(pad, layer, coordinates))
 
-    cells = read_cells(pyramid, camera, layer.channel, to_rays, cols, rows)
+    cells = read_cells(pyramid, layer.channel, to_pixels, cols, rows)
     if cells is None:
         return None
     expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
@@ -135,7 +134,7 @@ def _refine_layer(
         if params.refine.motion:
             fit = better_of(fit, fit_pose(fit.pose, measured, camera, motion=True))
         pose, best = fit.pose, (fit, measured)
-    return None if best is None else Measurement(best[0], layer, best[1], camera)
+    return None if best is None else Measurement(best[0], layer, best[1], camera, cell_px)
 
 
 def _visible_borders(

@@ -49,9 +49,11 @@ class MovingPose:
 
     def project(self, camera: Camera, points_mm: Array) -> Array:
         """Frame pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
-        pixels = _project(camera, self.to_camera(points_mm))
+        seen = self.to_camera(points_mm)
+        pixels = _project(camera, seen)
         if self.still:
             return pixels
+        # A point's row tells when it was seen, and that where: two rounds settle it.
         for _ in range(2):
             moment = np.clip(self.moment(camera, np.nan_to_num(pixels[:, 1])), -0.6, 0.6)
             pixels = _project(camera, self.to_camera(points_mm, moment))

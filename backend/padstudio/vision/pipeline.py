@@ -74,17 +74,28 @@ class Detector:
         The cells are compared with the pad in every frame, so a lock that slips is noticed, and
         the frame is then looked at as a still.
         """
-        last: Pose | None = None
+        past: list[Pose] = []
         for bgr in frames:
             detection = None
-            if last is not None:
+            if past:
                 _check(bgr)
                 recorder = Recorder(keep=trace)
-                detection = _finish(self._dense.follow(bgr, last, recorder), bgr, recorder)
+                followed = self._dense.follow(bgr, _expected(past), recorder)
+                detection = _finish(followed, bgr, recorder)
             if detection is None or not detection.ok:
                 detection = self.detect(bgr, trace=trace)
-            last = detection.pose
+            past = [*past[-1:], detection.pose] if detection.pose else []
             yield detection
+
+
+def _expected(past: list[Pose]) -> Pose:
+    """The next pose if the camera moves on as it did between the last two frames."""
+    last = past[-1]
+    if len(past) < 2:
+        return last
+    before = past[-2]
+    turn = before.rotation.T @ last.rotation
+    return Pose(2 * last.position_mm - before.position_mm, last.rotation @ turn)
 
 
 def _check(bgr: Image) -> None:

@@ -22,7 +22,7 @@ from padstudio.vision.planes import Plane, Pyramid
 from padstudio.vision.prepare import Stretch, take_channel
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import Region
-from padstudio.vision.types import Reason, StageFailure
+from padstudio.vision.types import Array, Reason, StageFailure
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +172,7 @@ def _place(frame: Search, lattice: Lattice, region: Region) -> Sighting | StageF
 
 
 def _read(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
-    return read_cells(
-        frame.pyramid, frame.camera, channel, lattice.to_rays, lattice.columns, lattice.rows
-    )
+    def to_pixels(coordinates: Array) -> Array:
+        return frame.camera.denormalize(lattice.to_rays(coordinates))
+
+    return read_cells(frame.pyramid, channel, to_pixels, lattice.columns, lattice.rows)
