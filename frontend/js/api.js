@@ -156,6 +156,25 @@ export async function listCameras() {
 /** @param {File} file @returns {Promise<CameraSummary>} */
 export const importCamera = (file) => request("POST", "/cameras", { form: { file } });
 
+// The tour's sample
+
+/**
+ * @typedef {{pad: string, camera: string, pictures: string[]}} Sample  addresses of files
+ *
+ * @returns {Promise<Sample>}
+ */
+export const getSample = () => request("GET", "/samples");
+
+/**
+ * @param {string} url
+ * @returns {Promise<File>}
+ */
+export async function fetchFile(url) {
+  const response = await fetch(url);
+  if (!response.ok) throw await refusal(response);
+  return new File([await response.blob()], url.split("/").pop() ?? "file");
+}
+
 // Detection
 
 /**

@@ -28,7 +28,9 @@ import { mountLightbox } from "./components/lightbox.js";
 import { mountPoseReport } from "./components/poseReport.js";
 import { mountStageGrid } from "./components/stageGrid.js";
 import { mountStatus } from "./components/status.js";
-import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } from "./diagnoseLogic.js";
+import {
+  cameraGroups, cameraNote, missing, namesInSample, padGroups, padNote, resultNotes,
+} from "./diagnoseLogic.js";
 import * as queue from "./queueLogic.js";
 import { makeReader } from "./reader.js";
 import { arrangeStages, channelsOf, resultCards, stagesOf } from "./stagesLogic.js";
@@ -127,7 +129,9 @@ function render() {
   const cards = frame?.answer ? cardsOf(frame.answer) : NO_CARDS;
   grid.update({ cards, channels: channelsOf(stagesOf(frame?.answer)) });
   const all = [...cards, ...resultCards(frame?.answer?.trace?.result_picture ?? null)];
-  lightbox.update({ cards: all, stage: state.stage, wish: state.wish, viewport: state.viewport });
+  const { stage, wish, viewport } = state;
+  const size = frame?.answer?.image ?? { width: 16, height: 9 };
+  lightbox.update({ cards: all, stage, wish, size, viewport });
   byId("welcome").hidden = state.frames.length > 0;
   byId("missing").textContent = missing(state);
   status.update(state.status);
@@ -215,6 +219,28 @@ function onRemove(id) {
   set({ frames, selectedId, stage: null });
 }
 
+/** Bring in the sample's pad and camera, once, and read its pictures. */
+async function trySample() {
+  set({ status: { kind: "quiet", text: "Fetching the sample …" } });
+  try {
+    const sample = await api.getSample();
+    const [padFile, cameraFile, ...pictures] = await Promise.all(
+      [sample.pad, sample.camera, ...sample.pictures].map(api.fetchFile),
+    );
+    const names = namesInSample(await padFile.text(), await cameraFile.text());
+    const pad = state.pads.find((each) => each.name === names.pad);
+    const camera = state.stored.find((each) => each.name === names.camera);
+    if (pad) set({ pad: pad.id });
+    else await takePad(padFile);
+    if (camera) set({ camera: camera.id });
+    else await takeCamera(cameraFile);
+    await takeFiles(pictures);
+    set({ status: { kind: "ok", text: `Opened the sample: ${pictures.length} pictures.` } });
+  } catch (error) {
+    set({ status: { kind: "bad", text: api.messageOf(error) } });
+  }
+}
+
 async function copyRecord() {
   try {
     await navigator.clipboard.writeText(JSON.stringify(selected()?.answer?.result, null, 1));
@@ -264,6 +290,7 @@ async function start() {
   void reader.work();
 }
 
+byId("try-sample").addEventListener("click", () => void trySample());
 byId("method").addEventListener("change", (/** @type {Event} */ event) => {
   rerun({ method: /** @type {HTMLInputElement} */ (event.target).value });
 });

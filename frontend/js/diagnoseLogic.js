@@ -51,6 +51,17 @@ const lensInWords = (distortion) =>
   distortion.some((coefficient) => coefficient !== 0) ? "distortion calibrated" : "no distortion";
 
 /**
+ * The names under which the sample's pad and camera are stored, so that they come in only once.
+ * @param {string} padText  JSON
+ * @param {string} cameraText  ROS YAML
+ * @returns {{pad: string, camera: string}}
+ */
+export function namesInSample(padText, cameraText) {
+  const camera = /^camera_name:\s*(.+?)\s*$/m.exec(cameraText);
+  return { pad: JSON.parse(padText).name, camera: camera ? camera[1] : "" };
+}
+
+/**
  * What limits the trust in a result.
  * @param {Frame | null} frame
  * @param {CameraSummary | undefined} camera

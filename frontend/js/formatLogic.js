@@ -58,6 +58,7 @@ export function size(widthMm, heightMm) {
 export function duration(ms) {
   if (ms >= 10_000) return `${number(ms / 1000, 1)} s`;
   if (ms >= 1000) return `${number(ms / 1000, 2)} s`;
+  if (ms < 0.05) return "< 0.1 ms";
   return ms >= 10 ? `${number(ms)} ms` : `${number(ms, 1)} ms`;
 }
 

@@ -28,10 +28,10 @@
 /** @type {Record<string, {title: string, about: string}>} */
 const STAGES = {
   stretch: { title: "Stretch", about: "Darkest to 0, brightest to 255" },
-  denoise: { title: "Denoise", about: "Median filter against salt and pepper" },
+  denoise: { title: "Denoise", about: "Median filter against specks" },
   channel: { title: "Channel", about: "One colour taken apart" },
   block_mean: { title: "Block mean", about: "Brighter than the picture and its surroundings" },
-  clean: { title: "Clean", about: "Erosion and dilation remove specks" },
+  clean: { title: "Clean", about: "Erosion, then dilation" },
   edges: { title: "Edges", about: "Borders of cells" },
   lines: { title: "Lines", about: "Two families of grid lines" },
   grid: { title: "Grid", about: "The lattice of cell corners" },
@@ -171,13 +171,18 @@ export function wishes(card) {
   return channels.length > 1 ? [...channels, "both"] : [];
 }
 
+/** The stages of all channels come last. @param {Channel | null} channel */
+const rank = (channel) => (channel ? CHANNEL_ORDER.indexOf(channel) : CHANNEL_ORDER.length);
+
 /**
- * Where each channel came to its end, first failures first.
+ * Where each channel came to its end.
  * @param {StageAnswer[]} stages
  * @returns {{channel: Channel | null, failure: Failure}[]}
  */
 export function failures(stages) {
-  return stages.flatMap((run) => (run.failure ? [{ channel: run.channel, failure: run.failure }] : []));
+  return stages
+    .flatMap((run) => (run.failure ? [{ channel: run.channel, failure: run.failure }] : []))
+    .sort((a, b) => rank(a.channel) - rank(b.channel));
 }
 
 /** @param {string} name @returns {string} */

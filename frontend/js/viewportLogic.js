@@ -9,17 +9,15 @@
  * @typedef {{width: number, height: number}} Size
  */
 
-/** A view's border that `fit` leaves free, pixels. */
-const FIT_BORDER = 12;
-
 /**
  * The whole sheet in view.
  * @param {Size} sheet
  * @param {Size} view
+ * @param {number} [border]  that stays free, pixels
  * @returns {Viewport}
  */
-export function fit(sheet, view) {
-  const room = (/** @type {number} */ extent) => Math.max(8, extent - 2 * FIT_BORDER);
+export function fit(sheet, view, border = 12) {
+  const room = (/** @type {number} */ extent) => Math.max(8, extent - 2 * border);
   const scale = Math.min(room(view.width) / sheet.width, room(view.height) / sheet.height);
   return { x: sheet.width / 2, y: sheet.height / 2, scale };
 }

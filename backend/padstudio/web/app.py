@@ -15,7 +15,7 @@ from padstudio.errors import SpecError
 from padstudio.flights import analysis
 from padstudio.flights.store import Store
 from padstudio.flights.workers import WorkerPool
-from padstudio.web import cameras, detect, errors, health, pads, pages
+from padstudio.web import cameras, detect, errors, health, pads, pages, samples
 from padstudio.web.security import Guard
 from padstudio.web.services import Analyze, Services
 from padstudio.web.settings import Settings, load_settings
@@ -88,7 +88,7 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.state.settings = settings
     errors.install(app)
     app.add_middleware(Guard, settings=settings)
-    for resource in (health, pads, cameras, detect):
+    for resource in (health, pads, cameras, detect, samples):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

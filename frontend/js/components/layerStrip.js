@@ -8,6 +8,8 @@ import { size } from "../formatLogic.js";
 import { fit } from "../viewportLogic.js";
 import { paintPad } from "./padPainter.js";
 
+const THUMB_BORDER_PX = 4;
+
 /**
  * @param {HTMLElement} root  holds a label with a radio button and a canvas for each view
  * @param {{onView: (view: string) => void}} events
@@ -26,7 +28,7 @@ export function mountLayerStrip(root, { onView }) {
     const margin = 2 * pad.quietMm;
     const sheet = { width: pad.widthMm + margin, height: pad.heightMm + margin };
     const place = { width: canvas.clientWidth, height: canvas.clientHeight };
-    if (place.width) paintPad(canvas, pad, view, fit(sheet, place));
+    if (place.width) paintPad(canvas, pad, view, fit(sheet, place, THUMB_BORDER_PX));
   }
 
   function paintAll() {

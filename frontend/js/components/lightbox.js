@@ -9,7 +9,8 @@
  * @property {StageCard[]} cards
  * @property {string | null} stage  null: closed
  * @property {string} wish  a channel or "both"
- * @property {Viewport | null} viewport  in picture pixels; null: the whole picture
+ * @property {{width: number, height: number}} size  of the frame, pixels
+ * @property {Viewport | null} viewport  in pixels of the frame; null: the whole picture
  */
 
 import { duration } from "../formatLogic.js";
@@ -35,19 +36,15 @@ export function mountLightbox(dialog, { onStage, onWish, onViewport }) {
     frame: /** @type {HTMLElement} */ (element.querySelector(".lightbox-frame")),
   }));
   /** @type {LightboxState} */
-  let state = { cards: [], stage: null, wish: "both", viewport: null };
+  let state = { cards: [], stage: null, wish: "both", size: { width: 16, height: 9 }, viewport: null };
 
-  const pictureSize = () => ({
-    width: panes[0].image.naturalWidth || 16,
-    height: panes[0].image.naturalHeight || 9,
-  });
   const viewSize = () => ({
     width: panes[0].frame.clientWidth,
     height: panes[0].frame.clientHeight,
   });
-  const current = () => state.viewport ?? fit(pictureSize(), viewSize());
+  const current = () => state.viewport ?? fit(state.size, viewSize());
   const change = (/** @type {Viewport} */ viewport) =>
-    onViewport(clamp(viewport, pictureSize(), viewSize(), MAX_SCALE));
+    onViewport(clamp(viewport, state.size, viewSize(), MAX_SCALE));
   const zoom = (/** @type {number} */ factor) => change(zoomAt(current(), factor, { x: 0, y: 0 }));
   const step = (/** @type {1 | -1} */ by) => {
     const next = state.stage && neighbour(state.cards, state.stage, by);
@@ -57,15 +54,18 @@ export function mountLightbox(dialog, { onStage, onWish, onViewport }) {
 
   function place() {
     const viewport = current();
-    const size = pictureSize();
+    const { width, height } = state.size;
     const view = viewSize();
     for (const { image } of panes) {
       const corner = toView(viewport, { x: 0, y: 0 });
       const x = corner.x + view.width / 2;
       const y = corner.y + view.height / 2;
       image.style.transform = `translate(${x}px, ${y}px) scale(${viewport.scale})`;
-      image.style.width = `${size.width}px`;
-      image.style.imageRendering = viewport.scale >= CRISP_FROM ? "pixelated" : "auto";
+      // A stage may work on a smaller picture: all are laid over the frame's own pixels.
+      image.style.width = `${width}px`;
+      image.style.height = `${height}px`;
+      const magnified = (viewport.scale * width) / (image.naturalWidth || width);
+      image.style.imageRendering = magnified >= CRISP_FROM ? "pixelated" : "auto";
     }
     find("zoom").textContent = `${Math.round(viewport.scale * 100)} %`;
   }

@@ -25,8 +25,7 @@ export function mountPadList(root, { onOpen, onDelete }) {
       /** @type {HTMLElement} */ (item.querySelector(`[data-ref=${name}]`));
     item.dataset.id = pad.id;
     part("title").textContent = pad.name;
-    const details = [size(...pad.size_mm), `b ${pad.window}`, `Y ${pad.levels}`, moment(pad.created_at)];
-    part("note").textContent = details.filter(Boolean).join(" · ");
+    part("note").textContent = `${size(...pad.size_mm)} · ${moment(pad.created_at)}`;
     part("open").addEventListener("click", () => onOpen(pad.id));
     const remove = part("delete");
     remove.setAttribute("aria-label", `Delete ${pad.name}`);

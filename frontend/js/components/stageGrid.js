@@ -15,7 +15,8 @@ import { reasonInWords } from "../stagesLogic.js";
  */
 export function mountStageGrid(root, { onOpen }) {
   const list = /** @type {HTMLElement} */ (root.querySelector("[data-ref=list]"));
-  const shared = /** @type {HTMLElement} */ (root.querySelector("[data-ref=shared]"));
+  const before = /** @type {HTMLElement} */ (root.querySelector("[data-ref=before]"));
+  const after = /** @type {HTMLElement} */ (root.querySelector("[data-ref=after]"));
   /** @type {StageCard[] | null} */
   let shown = null;
 
@@ -70,12 +71,11 @@ export function mountStageGrid(root, { onOpen }) {
     part("number").textContent = String(at + 1);
     part("title").textContent = card.title;
     part("about").textContent = card.about;
-    const runs = isShared(card)
-      ? card.runs.map((run) => runOf(card, run))
-      : channels.map((channel) => {
-          const run = card.runs.find((each) => each.channel === channel);
-          return run ? runOf(card, run) : unreached(channel);
-        });
+    const wanted = isShared(card) ? [null] : channels;
+    const runs = wanted.map((channel) => {
+      const run = card.runs.find((each) => each.channel === channel);
+      return run ? runOf(card, run) : unreached(channel ?? "");
+    });
     part("runs").replaceChildren(...runs);
     return element;
   }
@@ -88,14 +88,18 @@ export function mountStageGrid(root, { onOpen }) {
       shown = cards;
       list.dataset.channels = String(channels.length);
       const elements = cards.map((card, at) => cardOf(card, at, channels));
-      list.replaceChildren(...elements.filter((_, at) => !isShared(cards[at])));
-      shared.replaceChildren(...elements.filter((_, at) => isShared(cards[at])));
+      const first = cards.findIndex((card) => !isShared(card));
+      const group = (/** @type {(at: number) => boolean} */ belongs) =>
+        elements.filter((_, at) => belongs(at));
+      before.replaceChildren(...group((at) => isShared(cards[at]) && at < first));
+      list.replaceChildren(...group((at) => !isShared(cards[at])));
+      after.replaceChildren(...group((at) => isShared(cards[at]) && at > first));
     },
   };
 }
 
 /** A stage that serves all channels. @param {StageCard} card */
-const isShared = (card) => card.runs[0].channel === null;
+const isShared = (card) => card.runs.every((run) => run.channel === null);
 
 /** What stands where there is no picture. @param {string} text */
 const blank = (text) =>
