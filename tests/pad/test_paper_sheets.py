@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from measure_print import make_pad
 
+from measure_print import make_pad
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.paper import PAPERS_MM
 from padstudio.pad.paper_sheets import SheetOptions, plan_sheets, sheet_name

@@ -62,6 +62,11 @@ class SheetOptions:
         if not (math.isfinite(self.overlap_mm) and 0 < self.overlap_mm <= 1000):
             raise SpecError(f"overlap_mm is {self.overlap_mm}; give more than 0, at most 1000 mm")
 
+    @classmethod
+    def bare(cls) -> SheetOptions:
+        """One page of the pad's own size, with nothing beside the pad."""
+        return cls(paper="own", margin_mm=0.0, furniture=False)
+
     @property
     def bands(self) -> Bands:
         """What furniture takes of each side."""

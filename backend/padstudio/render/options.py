@@ -22,6 +22,9 @@ class PrintOptions:
     Attributes
     ----------
     sheets : SheetOptions
+        By default one page of the pad's own size with nothing beside the pad.
+    dpi : float
+        Resolution of pixel pictures.
     ink : {"rgb", "cmyk"}
     outline_mm : float
         Width of a line round the quiet margin; 0 for none.
@@ -37,7 +40,8 @@ class PrintOptions:
         earlier print: the print is made smaller or larger to come out right.
     """
 
-    sheets: SheetOptions = field(default_factory=SheetOptions)
+    sheets: SheetOptions = field(default_factory=SheetOptions.bare)
+    dpi: float = 150.0
     ink: Ink = "rgb"
     outline_mm: float = 0.0
     header: str = ""

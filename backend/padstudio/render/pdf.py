@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from typing import BinaryIO
 
 from reportlab.pdfgen.canvas import Canvas
@@ -46,14 +47,23 @@ def write_pdf(pad: Pad, out: BinaryIO, *, ink: Ink = "rgb") -> None:
     add_cells(pen.canvas, "pad", page, ink)
     pen.start_page((1.0, 1.0))
     pen.form("pad")
-    pen.canvas.showPage()
+    pen.end_page()
     pen.canvas.save()
 
 
 def open_document(pad: Pad, out: BinaryIO, width_mm: float, height_mm: float, ink: Ink) -> Pen:
     """A document with pages of one size and the pad's metadata, and the pen that draws on them."""
+    pen = open_canvas(out, width_mm, height_mm, ink)
+    pen.canvas.setTitle(pad.name)
+    pen.canvas.setSubject("Landing pad, true size: print without scaling")
+    pen.canvas.setKeywords(json.dumps(describe(pad)))
+    return pen
+
+
+def open_canvas(out: BinaryIO, width_mm: float, height_mm: float, ink: Ink) -> Pen:
+    """A document with pages of one size that asks not to be scaled."""
     side = max(width_mm, height_mm) * _POINTS_PER_MM
-    user_unit = max(1.0, -(-side // _MAX_SIDE_POINTS))
+    user_unit = max(1, math.ceil(side / _MAX_SIDE_POINTS))
     points = _POINTS_PER_MM / user_unit
     canvas = Canvas(
         out,
@@ -63,9 +73,6 @@ def open_document(pad: Pad, out: BinaryIO, width_mm: float, height_mm: float, in
         pdfVersion=(1, 7),
     )
     canvas.setViewerPreference("PrintScaling", "None")
-    canvas.setTitle(pad.name)
     canvas.setAuthor("Pad Studio")
     canvas.setCreator("Pad Studio")
-    canvas.setSubject("Landing pad, true size: print without scaling")
-    canvas.setKeywords(json.dumps(describe(pad)))
-    return Pen(canvas, points, height_mm, ink)
+    return Pen(canvas, points, height_mm, ink, user_unit=user_unit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from padstudio.pad.identity import label_text, pad_id
-from padstudio.pad.paper import Bands, Box
+from padstudio.pad.paper import Bands, Box, Paper
 from padstudio.pad.paper_sheets import Sheet, SheetPlan
 from padstudio.pad.spec import Pad
 from padstudio.render.options import PrintOptions
@@ -20,7 +20,7 @@ _MARGIN_QR_MM = 15.0
 
 def draw_furniture(pen: Pen, pad: Pad, plan: SheetPlan, sheet: Sheet, *, qr: bool) -> None:
     """Rulers, cut marks and label of one sheet; sheet coordinates."""
-    draw_rulers(pen, plan)
+    draw_rulers(pen, plan.paper, plan.options.margin_mm)
     draw_cut_marks(pen, sheet)
     margin = plan.options.margin_mm
     x = margin + Bands().left + 1.0
@@ -48,13 +48,12 @@ def draw_cut_marks(pen: Pen, sheet: Sheet) -> None:
         pen.line(right + _MARK_GAP_MM, y, right + _MARK_GAP_MM + _MARK_MM, y)
 
 
-def draw_rulers(pen: Pen, plan: SheetPlan) -> None:
+def draw_rulers(pen: Pen, paper: Paper, margin: float) -> None:
     """A ruler along the bottom and one along the left, as long as the sheet allows.
 
     Where they would cross, the longer side's gives way: the shorter side needs all its length.
     """
-    margin = plan.options.margin_mm
-    width, height = plan.paper.width_mm, plan.paper.height_mm
+    width, height = paper.width_mm, paper.height_mm
     portrait = width <= height
     x0 = margin if portrait else margin + _RULER_BAND_MM
     y0 = height - margin - (_RULER_BAND_MM if portrait else 0.0)

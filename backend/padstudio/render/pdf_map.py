@@ -28,7 +28,7 @@ def draw_map(pen: Pen, pad: Pad, plan: SheetPlan) -> None:
     left, top = margin + 12.0, margin + 3.0
     right, bottom = plan.paper.width_mm - margin - 5.0, plan.paper.height_mm - margin - 12.0
     if plan.options.furniture:
-        draw_rulers(pen, plan)
+        draw_rulers(pen, plan.paper, margin)
     qr = min(30.0, (right - left) / 5)
     pen.qr(Box(right - qr, top, right, top + qr), label_text(pad))
     y = top

@@ -1,0 +1,155 @@
+"""``padstudio print`` and ``padstudio measure``: a pad on paper, and the size it came out at."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, cast
+
+import typer
+
+from padstudio.cli_support import check_output, load_pad, note
+
+if TYPE_CHECKING:
+    from padstudio.pad.paper_sheets import SheetPlan
+    from padstudio.render.documents import Form
+
+_PRINT_EXAMPLES = (
+    "Examples: [bold]padstudio print pad.json -o pad.pdf[/] (one page of the pad's own size) · "
+    "[bold]padstudio print pad.json --paper A4 -o sheets.pdf[/] · "
+    "[bold]padstudio print pad.json --dpi 300 -o pad.png[/] · "
+    "[bold]padstudio print pad.json --form strip --paper A4 -o strip.pdf[/]"
+)
+_MEASURE_EXAMPLE = "Example: [bold]padstudio measure pad.json 199.2 200.4[/]"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the program."""
+    app.command("print", epilog=_PRINT_EXAMPLES)(print_pad)
+    app.command(epilog=_MEASURE_EXAMPLE)(measure)
+
+
+def print_pad(
+    pad: Annotated[Path, typer.Argument(help="Pad file.")],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="File to write: .pdf .svg .png .dxf .csv .npy .zip."),
+    ],
+    form: Annotated[
+        str, typer.Option(help="pdf, svg, png, dxf, csv, npy or strip (a colour test strip).")
+    ] = "",
+    paper: Annotated[
+        str,
+        typer.Option(help="A4 … A0, Letter, Legal, Tabloid, WIDTHxHEIGHT in mm, or own."),
+    ] = "own",
+    orientation: Annotated[
+        Literal["auto", "portrait", "landscape"], typer.Option(help="auto: fewer sheets.")
+    ] = "auto",
+    margin_mm: Annotated[float, typer.Option(help="What the printer leaves blank.")] = 5.0,
+    joint: Annotated[
+        Literal["butt", "overlap"], typer.Option(help="Sheets edge to edge, or over each other.")
+    ] = "butt",
+    overlap_mm: Annotated[float, typer.Option(help="Strip under the next sheet.")] = 10.0,
+    seams: Annotated[
+        Literal["cells", "anywhere"], typer.Option(help="cells: never cut a cell needlessly.")
+    ] = "cells",
+    furniture: Annotated[
+        bool | None,
+        typer.Option(
+            "--furniture/--bare", help="Rulers, labels, cut marks; bare for --paper own if unsaid."
+        ),
+    ] = None,
+    ink: Annotated[Literal["rgb", "cmyk"], typer.Option(help="How colours are given.")] = "rgb",
+    outline_mm: Annotated[float, typer.Option(help="Line round the quiet margin.")] = 0.0,
+    header: Annotated[str, typer.Option(help="Text in the quiet margin above the pad.")] = "",
+    footer: Annotated[str, typer.Option(help="Text in the quiet margin below the pad.")] = "",
+    qr: Annotated[bool, typer.Option(help="Print the pad's id and QR code.")] = True,
+    assembly_map: Annotated[bool, typer.Option(help="Begin with a map of the sheets.")] = True,
+    dpi: Annotated[float, typer.Option(help="Resolution of a PNG.")] = 150.0,
+    read: Annotated[
+        str,
+        typer.Option(
+            metavar="X,Y", help="What an earlier print's 200 mm rulers read; corrects this print."
+        ),
+    ] = "",
+    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
+) -> None:
+    """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
+    from padstudio.pad.paper_sheets import SheetOptions, plan_sheets
+    from padstudio.render import documents
+    from padstudio.render.options import PrintOptions
+
+    check_output(output, force=force)
+    beside = paper.strip().lower() != "own" if furniture is None else furniture
+    own_bare = paper.strip().lower() == "own" and not beside
+    options = PrintOptions(
+        sheets=SheetOptions(
+            paper=paper,
+            orientation=orientation,
+            margin_mm=0.0 if own_bare else margin_mm,
+            joint=joint,
+            overlap_mm=overlap_mm,
+            seams=seams,
+            furniture=beside,
+        ),
+        ink=ink,
+        outline_mm=outline_mm,
+        header=header,
+        footer=footer,
+        qr=qr,
+        assembly_map=assembly_map,
+        dpi=dpi,
+        measured=_measured(read),
+    )
+    chosen = cast("Form", form or output.suffix.lstrip(".").lower().replace("zip", "csv"))
+    design = load_pad(pad)
+    pieces, _media_type, _name = documents.make(design, chosen, options)
+    with output.open("wb") as file:
+        file.writelines(pieces)
+    note(
+        f"{output}: {_describe(plan_sheets(design, options.sheets))}"
+        if chosen == "pdf"
+        else f"{output}: {chosen}"
+    )
+
+
+def measure(
+    pad: Annotated[Path, typer.Argument(help="Pad file; its scale is set.")],
+    x_mm: Annotated[float, typer.Argument(help="What the printed ruler along x reads, mm.")],
+    y_mm: Annotated[float, typer.Argument(help="What the printed ruler along y reads, mm.")],
+    ruler_mm: Annotated[float, typer.Option(help="Nominal length of the printed rulers.")] = 200.0,
+) -> None:
+    """Enter the size that a print came out at; poses then use it, without printing again."""
+    from padstudio.pad.measured import with_measured_size
+
+    design = with_measured_size(load_pad(pad), ruler_mm=ruler_mm, x_mm=x_mm, y_mm=y_mm)
+    design.save(pad)
+    note(f"{pad}: scale {design.scale[0]:.5f} in x, {design.scale[1]:.5f} in y")
+
+
+def _measured(read: str) -> tuple[float, float]:
+    """Size of prints over nominal size, from two ruler readings; 1 where there are none."""
+    from padstudio.pad.measured import print_scale
+
+    if not read:
+        return 1.0, 1.0
+    found = re.fullmatch(r"(\d+(?:\.\d+)?),(\d+(?:\.\d+)?)", read.replace(" ", ""))
+    if found is None:
+        raise typer.BadParameter(
+            f"{read!r} is not two readings in mm such as 199.2,200.4", param_hint="--read"
+        )
+    return print_scale(200.0, float(found[1])), print_scale(200.0, float(found[2]))
+
+
+def _describe(plan: SheetPlan) -> str:
+    paper = plan.paper
+    size = f"{paper.width_mm:g} x {paper.height_mm:g} mm"
+    if len(plan.sheets) == 1:
+        return f"1 page, {paper.name}, {size}"
+    cells = "on cell edges" if plan.on_cells else "through cells, as they are larger than a sheet"
+    if plan.options.seams == "anywhere":
+        cells = "anywhere"
+    return (
+        f"{len(plan.sheets)} sheets {paper.name} {paper.orientation}, {plan.rows} rows x "
+        f"{plan.cols} columns, {plan.paper_m2:.2f} m² of paper, seams {cells}"
+    )
