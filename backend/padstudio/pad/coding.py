@@ -17,6 +17,9 @@ from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Method, Unique
 from padstudio.pad.spec import MAX_CELLS, Layer, Pad
 from padstudio.pad.verify import verify_field
 
+# One bit a window: 128 MB. Beyond it windows are so many that growth at random does not run dry.
+MAX_TABLE_CODES = 2**30
+
 __all__ = ["FieldSearchError", "FieldSpec", "generate_field", "generate_pad"]
 
 
@@ -81,7 +84,7 @@ def generate_pad(
     cell_mm: float = 10.0,
     quiet_mm: float = 0.0,
     unique: Unique = "rotation",
-    distance: int = 1,
+    distance: int = 3,
     visible_lines: bool = False,
     method: Method = "auto",
     seed: int | None = 1,
@@ -161,6 +164,10 @@ def generate_pad(
 
 def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
     # Numba takes half a second to import: only who generates pays for it.
+    if spec.method == "auto" and spec.levels ** (spec.window**2) <= MAX_TABLE_CODES:
+        from padstudio.pad.row_search import search_field
+
+        return search_field(spec, watch)
     from padstudio.pad.growth import grow_field
 
     return grow_field(spec, watch)

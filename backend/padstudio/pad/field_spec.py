@@ -45,7 +45,8 @@ class FieldSpec:
     Raises
     ------
     SpecError
-        Where a value is out of its range. Whether the field can exist is for `padstudio.pad.bounds`.
+        Where a value is out of its range; whether the field can exist is for
+        `padstudio.pad.bounds`.
     """
 
     rows: int = 125

@@ -20,6 +20,10 @@ from numpy.typing import NDArray
 from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Watch
 from padstudio.pad.jit import draw, jit, random_state
 
+U8 = NDArray[np.uint8]
+I32 = NDArray[np.int32]
+U64 = NDArray[np.uint64]
+
 _PRIME = np.uint64(0x100000001B3)
 _OFFSET = np.uint64(0xCBF29CE484222325)
 _S29, _S32 = np.uint64(29), np.uint64(32)
@@ -43,7 +47,7 @@ def chains(windows: int, parts: int) -> Chains:
 
 
 @jit
-def _read(field, row, col, b, turns, cells):  # type: ignore[no-untyped-def]
+def _read(field: U8, row: int, col: int, b: int, turns: int, cells: U8) -> None:
     """Copy the window at (row, col) into cells (turns, b²), one line a counter-clockwise turn."""
     last = b - 1
     for i in range(b):
@@ -57,17 +61,17 @@ def _read(field, row, col, b, turns, cells):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _bucket(cells, turn, part, parts, mask):  # type: ignore[no-untyped-def]
+def _bucket(cells: U8, turn: int, part: int, parts: int, mask: int) -> int:
     """Hash of every ``parts``-th cell of a turned window, from cell ``part`` on."""
     h = _OFFSET
     for k in range(part, cells.shape[1], parts):
         h = (h ^ np.uint64(cells[turn, k])) * _PRIME
         h ^= h >> _S29
-    return np.int64((h ^ (h >> _S32)) & np.uint64(mask))
+    return int(np.int64((h ^ (h >> _S32)) & np.uint64(mask)))
 
 
 @jit
-def _lines_visible(cells, b):  # type: ignore[no-untyped-def]
+def _lines_visible(cells: U8, b: int) -> bool:
     """Whether each inner grid line of the upright window has a level change across it."""
     for line in range(1, b):
         across_row, across_col = False, False
@@ -82,7 +86,7 @@ def _lines_visible(cells, b):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _nearer(cells, turn, field, row, col, b, distance):  # type: ignore[no-untyped-def]
+def _nearer(cells: U8, turn: int, field: U8, row: int, col: int, b: int, distance: int) -> bool:
     """Whether a turned window is nearer than ``distance`` to the window of the field at a place."""
     differing = 0
     for i in range(b):
@@ -95,7 +99,17 @@ def _nearer(cells, turn, field, row, col, b, distance):  # type: ignore[no-untyp
 
 
 @jit
-def _allowed(field, row, col, b, distance, visible, heads, links, cells):  # type: ignore[no-untyped-def]
+def _allowed(
+    field: U8,
+    row: int,
+    col: int,
+    b: int,
+    distance: int,
+    visible: bool,
+    heads: I32,
+    links: I32,
+    cells: U8,
+) -> bool:
     """Whether the window at (row, col) may stand beside all windows placed; fills ``cells``."""
     turns, size, mask = cells.shape[0], b * b, heads.shape[1] - 1
     across = field.shape[1] - b + 1
@@ -111,16 +125,16 @@ def _allowed(field, row, col, b, distance, visible, heads, links, cells):  # typ
             return False
     for turn in range(turns):
         for part in range(distance):
-            other = heads[part, _bucket(cells, turn, part, distance, mask)]
+            other = int(heads[part, _bucket(cells, turn, part, distance, mask)])
             while other >= 0:
                 if _nearer(cells, turn, field, other // across, other % across, b, distance):
                     return False
-                other = links[part, other]
+                other = int(links[part, other])
     return True
 
 
 @jit
-def _place(row, col, across, heads, links, cells):  # type: ignore[no-untyped-def]
+def _place(row: int, col: int, across: int, heads: I32, links: I32, cells: U8) -> None:
     """Enter the upright window of ``cells``, which stands at (row, col), into the chains."""
     parts, mask, number = heads.shape[0], heads.shape[1] - 1, row * across + col
     for part in range(parts):
@@ -130,7 +144,21 @@ def _place(row, col, across, heads, links, cells):  # type: ignore[no-untyped-de
 
 
 @jit
-def _extend(field, row, col, top, left, b, levels, distance, visible, heads, links, cells, state):  # type: ignore[no-untyped-def]
+def _extend(
+    field: U8,
+    row: int,
+    col: int,
+    top: int,
+    left: int,
+    b: int,
+    levels: int,
+    distance: int,
+    visible: bool,
+    heads: I32,
+    links: I32,
+    cells: U8,
+    state: U64,
+) -> bool:
     """Draw the cells from (top, left) to the end of the window at (row, col) until it is allowed.
 
     A single cell is tried at every level once, in turn from a random one.
@@ -148,7 +176,19 @@ def _extend(field, row, col, top, left, b, levels, distance, visible, heads, lin
 
 
 @jit
-def grow(field, first, last, b, levels, turns, distance, visible, heads, links, state):  # type: ignore[no-untyped-def]
+def grow(
+    field: U8,
+    first: int,
+    last: int,
+    b: int,
+    levels: int,
+    turns: int,
+    distance: int,
+    visible: bool,
+    heads: I32,
+    links: I32,
+    state: U64,
+) -> int:
     """Take growth steps first … last − 1; return the step that dead-ended, or ``last``.
 
     Parameters

@@ -45,10 +45,10 @@ def draw(state: NDArray[np.uint64], below: int) -> int:
     z = (z ^ (z >> _S30)) * _MIX_1
     z = (z ^ (z >> _S27)) * _MIX_2
     z = z ^ (z >> _S31)
-    return np.int64(z >> _S33) % below
+    return int(np.int64(z >> _S33)) % below
 
 
 def random_state(seed: int, stream: int = 0) -> NDArray[np.uint64]:
     """The (1,) uint64 state for a seed of any size; other streams are independent of it."""
     entropy = np.random.SeedSequence([abs(seed), int(seed < 0), stream])
-    return entropy.generate_state(1, np.uint64)
+    return entropy.generate_state(1, np.uint64).astype(np.uint64)
