@@ -87,14 +87,14 @@ def _draw_wrapped(draw: Callable[[int, int], None], x: int, y: int, reach: int) 
 
 
 def _grass(rng: np.random.Generator) -> Tile:
-    tile = np.ascontiguousarray(_tint(_octaves(rng, 8, 256), (38, 48, 28), 0.25))
-    count = 30_000
+    tile = np.ascontiguousarray(_tint(_octaves(rng, 8, 256), (48, 54, 36), 0.25))
+    count = 16_000
     x, y = rng.integers(0, SIZE, (2, count))
     angle = rng.random(count) * 2 * np.pi
-    length = 8 + rng.random(count) * 22
+    length = 12 + rng.random(count) * 40
     shade = 0.35 + 0.75 * np.arange(count) / count + 0.15 * rng.standard_normal(count)
     hue = rng.standard_normal((count, 3)) * 5
-    colors = np.array([86.0, 106.0, 62.0]) * shade[:, None] + hue
+    colors = np.array([112.0, 122.0, 82.0]) * shade[:, None] + hue
     dx, dy = np.round(length * np.cos(angle)), np.round(length * np.sin(angle))
     for k in range(count):
         tip = (int(dx[k]), int(dy[k]))
@@ -103,9 +103,9 @@ def _grass(rng: np.random.Generator) -> Tile:
         def blade(
             px: int, py: int, tip: tuple[int, int] = tip, color: tuple[float, ...] = color
         ) -> None:
-            cv2.line(tile, (px, py), (px + tip[0], py + tip[1]), color, 2, cv2.LINE_8)
+            cv2.line(tile, (px, py), (px + tip[0], py + tip[1]), color, 3, cv2.LINE_8)
 
-        _draw_wrapped(blade, int(x[k]), int(y[k]), 32)
+        _draw_wrapped(blade, int(x[k]), int(y[k]), 56)
     soft = cv2.GaussianBlur(np.pad(tile, ((4, 4), (4, 4), (0, 0)), "wrap"), (0, 0), 0.6)
     return np.asarray(soft[4:-4, 4:-4], np.float32)
 

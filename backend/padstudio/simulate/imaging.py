@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -75,17 +75,17 @@ class Imaging:
     exposure_ms: float = 2.0
     readout_ms: float = 0.0
     brightness: float = 1.0
-    blur_px: float = 0.6
+    blur_px: float = 0.58
     defocus_px: float = 0.0
     vignetting: float = 0.25
     glare: Glare | None = None
-    full_well_e: float = 12_000.0
+    full_well_e: float = 8_000.0
     read_noise_e: float = 4.0
     hot_pixels: float = 0.0
     bayer: bool = True
     sharpen: float = 0.0
     tone: Literal["srgb", "linear"] = "srgb"
-    jpeg_quality: int | None = 92
+    jpeg_quality: int | None = 88
 
     def __post_init__(self) -> None:
         for name, low, high in _RANGES:
@@ -109,6 +109,10 @@ class Imaging:
             bayer=False,
             jpeg_quality=None,
         )
+
+    def with_changes(self, **changes: Any) -> Imaging:
+        """A copy with other values; raises `SpecError` where one is out of range."""
+        return replace(self, **changes)
 
 
 _RANGES = (

@@ -59,7 +59,7 @@ def check_lens(camera: Camera) -> None:
     view = field_of_view_deg(camera)
     if not view <= MAX_FIELD_OF_VIEW_DEG:
         raise LimitError(
-            f"camera {camera.name!r} sees {view:.0f} degrees across; the simulator's limit is "
+            f"camera {camera.name!r} sees {view:.1f} degrees across; the simulator's limit is "
             f"{MAX_FIELD_OF_VIEW_DEG:.0f}, give a longer focal length",
             code="field_of_view_too_wide",
             detail={"field_of_view_deg": view, "limit_deg": MAX_FIELD_OF_VIEW_DEG},
