@@ -7,7 +7,6 @@ that dies costs its caller an error; the next call gets a new process.
 from __future__ import annotations
 
 import contextlib
-import logging
 import multiprocessing
 import signal
 import sys
@@ -27,7 +26,6 @@ from padstudio.errors import (
 )
 
 ResultT = TypeVar("ResultT")
-logger = logging.getLogger(__name__)
 # A fork of a threaded server may inherit locks that nobody will release.
 _context = multiprocessing.get_context("spawn")
 
@@ -137,8 +135,9 @@ class _Worker:
                 "damaged file; try a smaller or repaired one"
             ) from error
         if kind == "defect":
-            logger.error("%s failed in a worker:\n%s", function.__qualname__, value)
-            raise RuntimeError(f"{function.__qualname__} failed in a worker")
+            defect = RuntimeError(f"{function.__qualname__} failed in a worker")
+            defect.add_note(value)
+            raise defect
         if kind == "error":
             raise value
         return value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import logging
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -16,8 +15,8 @@ from starlette.responses import Response
 
 from padstudio.errors import StorageError, StudioError
 from padstudio.web import pages
+from padstudio.web.headers import SECURITY_HEADERS
 
-logger = logging.getLogger(__name__)
 API_PREFIX = "/api/"
 
 _HTTP_MESSAGES = {
@@ -107,12 +106,13 @@ async def _os_error(request: Request, error: Exception) -> Response:
 
 
 async def _defect(request: Request, error: Exception) -> Response:
-    logger.error("%s %s failed", request.method, request.url.path, exc_info=error)
+    # Starlette passes the fault on after this answer, and the server logs it.
     return respond(
         request,
         500,
         "internal_error",
         "the server met a fault of its own and logged it; nothing was stored",
+        headers=SECURITY_HEADERS,
     )
 
 
@@ -134,22 +134,29 @@ _SENTENCES = {
     "string_too_long": "it must have at most {max_length} characters",
     "string_too_short": "it must have at least {min_length} characters",
     "string_pattern_mismatch": "ids are letters, digits and dashes",
+    "model_attributes_type": "send a JSON object, with Content-Type: application/json",
+    "dict_type": "it must be an object",
     "extra_forbidden": "there is no such field; check its spelling",
 }
+_WHOLE = "the request's body"
 
 
 def _fault(item: Mapping[str, Any]) -> dict[str, str]:
     """A field's place, and a sentence with what was given and what is taken."""
     kind, value = str(item["type"]), item.get("input")
-    place = ".".join(str(part) for part in item["loc"][1:]) or "the request's body"
+    place = ".".join(str(part) for part in item["loc"][1:]) or _WHOLE
     if kind == "json_invalid":
-        return {"place": "body", "message": "the request's body is not JSON"}
+        return {"place": _WHOLE, "message": f"{_WHOLE} is not JSON"}
     if kind == "missing":
         return {"place": place, "message": f"{place} is missing"}
     if "UploadFile" in str(item["msg"]):
         return {"place": place, "message": f"{place} must be a file"}
-    sentence = _SENTENCES.get(kind, str(item["msg"])).format_map(dict(item.get("ctx") or {}))
-    given = f"is {_short(value)}; " if isinstance(value, str | int | float) else "is wrong: "
+    sentence = str(item["msg"])
+    if kind in _SENTENCES:
+        sentence = _SENTENCES[kind].format_map(dict(item.get("ctx") or {}))
+    given = "cannot be read: "
+    if isinstance(value, str | int | float) and place != _WHOLE:
+        given = f"is {_short(value)}; "
     return {"place": place, "message": f"{place} {given}{sentence}"}
 
 

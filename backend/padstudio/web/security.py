@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+import html
 from collections.abc import Iterable
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qsl, urlencode, urlsplit
@@ -15,23 +16,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from padstudio.errors import AccessError
 from padstudio.web import errors
+from padstudio.web.headers import SECURITY_HEADERS
 from padstudio.web.settings import Settings, is_loopback
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Enough to tell a health check that the server is up; it says nothing else.
 _OPEN_PATHS = frozenset({"/api/v1/health"})
-CONTENT_SECURITY_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-    "connect-src 'self'; font-src 'self'; manifest-src 'self'; worker-src 'self'; "
-    "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
-)
-_HEADERS = {
-    "Content-Security-Policy": CONTENT_SECURITY_POLICY,
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "same-origin",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
-}
 
 
 class Guard:
@@ -158,7 +148,7 @@ def _enter(request: Request, token: str) -> Response:
     target = request.url.replace(path=path, query=urlencode(rest), scheme="", netloc="")
     response = HTMLResponse(
         '<!doctype html><meta charset="utf-8"><title>Pad Studio</title>'
-        f'<meta http-equiv="refresh" content="0;url={_escape(str(target))}">',
+        f'<meta http-equiv="refresh" content="0;url={html.escape(str(target))}">',
         headers={"Cache-Control": "no-store"},
     )
     response.set_cookie(
@@ -171,35 +161,32 @@ def _enter(request: Request, token: str) -> Response:
     return response
 
 
-def _escape(text: str) -> str:
-    from html import escape
-
-    return escape(text, quote=True)
-
-
 def _add_headers(headers: MutableHeaders) -> None:
-    for name, value in _HEADERS.items():
+    for name, value in SECURITY_HEADERS.items():
         headers.setdefault(name, value)
-    # What an answer does not say otherwise is somebody's own data.
-    headers.setdefault("Cache-Control", "no-store")
 
 
 def _limited(request: Request, receive: Receive, settings: Settings) -> Receive:
     """The request's body, counted as it arrives: a declared length need not be there or true."""
     is_upload = request.headers.get("content-type", "").startswith("multipart/form-data")
+    stated = settings.max_upload_bytes if is_upload else settings.max_request_bytes
     # The parts' headers and the form's other fields come on top of the file.
-    limit = settings.max_request_bytes + (settings.max_upload_bytes if is_upload else 0)
+    limit = stated + (settings.max_request_bytes if is_upload else 0)
+    # A client that asks before it sends can be told at once.
+    asks = request.headers.get("expect", "").lower() == "100-continue"
+    declared = request.headers.get("content-length", "")
+    refused = asks and declared.isdecimal() and int(declared) > limit
     read = 0
 
     async def receive_limited() -> Message:
         nonlocal read
+        if refused:
+            raise errors.BodyTooLargeError(stated)
         message = await receive()
         read += len(message.get("body", b""))
         if read > limit:
             await _discard(message, receive, 4 * limit)
-            raise errors.BodyTooLargeError(
-                settings.max_upload_bytes if is_upload else settings.max_request_bytes
-            )
+            raise errors.BodyTooLargeError(stated)
         return message
 
     return receive_limited

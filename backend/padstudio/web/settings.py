@@ -113,7 +113,7 @@ class Settings(BaseSettings):
     @property
     def lacks_token(self) -> bool:
         """True where anybody on the network could ask, and nothing tells who may."""
-        return self.token is None and not is_loopback(self.host) and not self.allowed_hosts
+        return self.token is None and not is_loopback(self.host)
 
 
 def load_settings(**overrides: object) -> Settings:

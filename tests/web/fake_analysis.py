@@ -1,0 +1,63 @@
+"""Stands in for the detector: its outcome is in the picture's name."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import Any
+
+import cv2
+import numpy as np
+
+from padstudio.flights import images
+from padstudio.flights.analysis import RESULT_PICTURE, THUMBNAIL_PREFIX, Job
+from padstudio.geometry import camera_files
+from padstudio.pad import files as pad_files
+
+
+def analyze(job: Job) -> dict[str, Any]:
+    image = images.decode(job.image, job.max_pixels)
+    height, width = image.shape[:2]
+    pad_files.loads(job.pad)
+    camera = camera_files.loads(job.camera).for_frame(width, height)
+    if job.source == "crash.png":
+        os._exit(9)
+    if job.source == "slow.png":
+        time.sleep(60)
+    if job.source == "huge.png":
+        np.ones(40_000_000_000, np.uint8)
+    if job.source == "defect.png":
+        raise ZeroDivisionError
+    stages = None
+    if job.pictures is not None:
+        stages = [_stage("edges", "red", "red-edges.png"), _stage("choose", None, None)]
+        for name in ("red-edges.png", RESULT_PICTURE):
+            cv2.imwrite(str(job.pictures / name), image)
+            cv2.imwrite(str(job.pictures / (THUMBNAIL_PREFIX + name)), image[::4, ::4])
+    result = {
+        "source": job.source,
+        "frame": 0,
+        "time_s": None,
+        "status": "failed",
+        "stage": "choose",
+        "reason": "too_few_cells",
+        "detail": "read 0 cells",
+        "advice": "",
+        "elapsed_ms": {"total": 1.0},
+    }
+    return {
+        "result": result,
+        "image": {"width": width, "height": height},
+        "camera_scale": camera.scale,
+        "stages": stages,
+    }
+
+
+def _stage(name: str, channel: str | None, picture: str | None) -> dict[str, Any]:
+    return {
+        "name": name,
+        "channel": channel,
+        "elapsed_ms": 0.5,
+        "failure": None,
+        "picture": picture,
+    }

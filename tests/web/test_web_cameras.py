@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from web_server import PRESET, running, settings_for
+
+from padstudio.geometry import camera_files
+
+CAMERAS = "/api/v1/cameras"
+CALIBRATION = """\
+image_width: 640
+image_height: 480
+camera_name: front
+camera_matrix: {rows: 3, cols: 3, data: [500.0, 0, 320, 0, 502, 240, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0.1, -0.2, 0.001, 0.002, 0.05]}
+"""
+Refused = Callable[..., dict[str, Any]]
+
+
+def _import(client: httpx.Client, content: str | bytes) -> httpx.Response:
+    return client.post(CAMERAS, files={"file": ("cam.yaml", content)})
+
+
+def test_presets_are_marked_as_nominal(studio: httpx.Client) -> None:
+    body = studio.get(f"{CAMERAS}/presets").json()
+    items = {item["id"]: item for item in body["items"]}
+    paper = items["preset-dji-mini-27k"]
+    assert (paper["width"], paper["height"]) == (2720, 1530)
+    assert paper["focal_px"] == pytest.approx(1886, abs=1)
+    assert body["total"] == len(items) >= 8
+    assert all(item["nominal"] and "calibrate" in item["note"] for item in items.values())
+    assert studio.get(f"{CAMERAS}/{PRESET}").json() == items[PRESET]
+
+
+def test_import_list_get_file_delete(studio: httpx.Client, refused: Refused) -> None:
+    answer = _import(studio, CALIBRATION)
+    assert answer.status_code == 201
+    made = answer.json()
+    assert (made["name"], made["nominal"], made["model"]) == ("front", False, "radtan")
+    assert made["distortion"] == [0.1, -0.2, 0.001, 0.002, 0.05]
+    assert studio.get(CAMERAS).json()["items"][0] == made
+    assert studio.get(f"{CAMERAS}/{made['id']}").json() == made
+    file = studio.get(f"{CAMERAS}/{made['id']}/files/camera.yaml")
+    assert 'filename="front.yaml"' in file.headers["content-disposition"]
+    assert camera_files.loads(file.content).matrix[1, 1] == 502
+    assert studio.delete(f"{CAMERAS}/{made['id']}").status_code == 204
+    refused(studio.get(f"{CAMERAS}/{made['id']}"), 404, "not_found")
+
+
+def test_a_name_can_be_given(studio: httpx.Client) -> None:
+    answer = studio.post(CAMERAS, files={"file": ("x.yaml", CALIBRATION)}, data={"name": " Bay 2 "})
+    assert answer.json()["name"] == "Bay 2"
+    assert studio.get(CAMERAS).json()["items"][0]["name"] == "Bay 2"
+
+
+def test_a_preset_has_a_file_and_stays(studio: httpx.Client, refused: Refused) -> None:
+    file = studio.get(f"{CAMERAS}/{PRESET}/files/camera.yaml").raise_for_status()
+    assert camera_files.loads(file.content).nominal
+    refused(studio.delete(f"{CAMERAS}/{PRESET}"), 409, "conflict")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\x89PNG\r\n\x1a\n\x00\x00",
+        "just a text",
+        "a: &a [x]\nb: [*a, *a]",
+        CALIBRATION.replace("500.0", "-500.0"),
+        CALIBRATION.replace("640", "0"),
+        CALIBRATION.replace("500.0", ".nan"),
+    ],
+)
+def test_ill_formed_files_are_refused(
+    studio: httpx.Client, refused: Refused, content: str | bytes
+) -> None:
+    before = studio.get(CAMERAS).json()["total"]
+    refused(_import(studio, content), 422, "invalid_camera_file")
+    assert studio.get(CAMERAS).json()["total"] == before
+
+
+def test_a_camera_file_beyond_the_limit_is_refused(tmp_path: Path, refused: Refused) -> None:
+    with running(settings_for(tmp_path, max_camera_bytes=1000)) as client:
+        refused(_import(client, b" " * 1001), 413, "limit_exceeded")
+
+
+def test_cameras_survive_a_restart(tmp_path: Path) -> None:
+    with running(settings_for(tmp_path)) as client:
+        made = _import(client, CALIBRATION).json()
+    with running(settings_for(tmp_path)) as client:
+        assert client.get(CAMERAS).json() == {"items": [made], "total": 1}

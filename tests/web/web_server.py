@@ -1,0 +1,57 @@
+"""A real server on a free port."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import uvicorn
+
+from padstudio.web.app import create_app
+from padstudio.web.settings import Settings
+
+SMALL_SPEC = {"name": "small", "rows": 12, "cols": 10, "ratio": 2, "seed": 7}
+PRESET = "preset-webcam-c270"
+PRESET_SIZE = (1280, 720)
+
+
+@contextlib.contextmanager
+def running(settings: Settings, **options: Any) -> Iterator[httpx.Client]:
+    """A client of a server that runs in a thread until the context ends."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    config = uvicorn.Config(
+        create_app(settings, **options), log_level="critical", lifespan="on", ws="none"
+    )
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, args=([listener],))
+    thread.start()
+    while not server.started:
+        assert thread.is_alive(), "the server did not start"
+        time.sleep(0.005)
+    try:
+        with httpx.Client(
+            base_url=f"http://127.0.0.1:{listener.getsockname()[1]}", timeout=30, trust_env=False
+        ) as client:
+            yield client
+    finally:
+        server.should_exit = True
+        thread.join()
+        listener.close()
+
+
+def settings_for(data: Path, **values: Any) -> Settings:
+    """Settings that do not depend on the environment's, with small limits."""
+    small: dict[str, Any] = {
+        "workers": 1,
+        "max_image_pixels": 4_000_000,
+        "max_upload_bytes": 2_000_000,
+        "max_request_bytes": 10_000,
+        "detect_seconds": 20,
+    }
+    return Settings(data=data, **(small | values))
