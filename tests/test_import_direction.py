@@ -33,7 +33,7 @@ CONFINED = {
     "reportlab": ("render/pdf",),
     "sqlalchemy": ("flights/",),
     "alembic": ("flights/",),
-    "av": ("flights/video",),
+    "av": ("flights/video", "simulate/video"),
     "typer": ("cli",),
     "rich": ("cli",),
 }
