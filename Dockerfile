@@ -15,7 +15,7 @@ RUN make install && .venv/bin/python -m compileall -q backend
 
 FROM python:3.13-slim
 
-RUN useradd --system --create-home --uid 10001 padstudio \
+RUN useradd --create-home --uid 10001 padstudio \
     && install --directory --owner padstudio --group padstudio /data
 COPY --from=build /opt/padstudio /opt/padstudio
 

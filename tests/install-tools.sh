@@ -1,6 +1,6 @@
 #!/bin/sh
 # Finds, or installs from the distribution, what the tests need beside Python: a Chromium for the
-# pages and poppler's pdftoppm for measuring printed sheets.
+# pages, poppler's pdftoppm for measuring printed sheets, curl for the README's commands.
 set -eu
 
 have() { command -v "$1" >/dev/null 2>&1; }
@@ -20,6 +20,7 @@ debian_packages=""
 brew_packages=""
 have_chromium || { debian_packages="$debian_packages chromium"; brew_packages="$brew_packages chromium"; }
 have pdftoppm || { debian_packages="$debian_packages poppler-utils"; brew_packages="$brew_packages poppler"; }
+have curl || { debian_packages="$debian_packages curl"; brew_packages="$brew_packages curl"; }
 [ -n "$debian_packages" ] || exit 0
 
 # Names are words of their own on purpose in what follows.
