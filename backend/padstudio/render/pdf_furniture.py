@@ -14,6 +14,7 @@ RULERS_MM = (1000, 500, 200)
 _RULER_BAND_MM = 7.0
 _MARK_GAP_MM = 1.0
 _MARK_MM = 3.0
+_LINE_MM = 0.15
 _QR_MM = 9.5
 _MARGIN_QR_MM = 15.0
 
@@ -40,12 +41,15 @@ def draw_cut_marks(pen: Pen, sheet: Sheet) -> None:
     x0, y0 = sheet.x_mm, sheet.y_mm
     x1, y1 = x0 + sheet.core.width, y0 + sheet.core.height
     right, bottom = x0 + sheet.painted.width, y0 + sheet.painted.height
+    half, gap, end = _LINE_MM / 2, _MARK_GAP_MM, _MARK_GAP_MM + _MARK_MM
+    marks = []
     for x in (x0, x1):
-        pen.line(x, y0 - _MARK_GAP_MM, x, y0 - _MARK_GAP_MM - _MARK_MM)
-        pen.line(x, bottom + _MARK_GAP_MM, x, bottom + _MARK_GAP_MM + _MARK_MM)
+        marks.append(Box(x - half, y0 - end, x + half, y0 - gap))
+        marks.append(Box(x - half, bottom + gap, x + half, bottom + end))
     for y in (y0, y1):
-        pen.line(x0 - _MARK_GAP_MM, y, x0 - _MARK_GAP_MM - _MARK_MM, y)
-        pen.line(right + _MARK_GAP_MM, y, right + _MARK_GAP_MM + _MARK_MM, y)
+        marks.append(Box(x0 - end, y - half, x0 - gap, y + half))
+        marks.append(Box(right + gap, y - half, right + end, y + half))
+    pen.bars(marks)
 
 
 def draw_rulers(pen: Pen, paper: Paper, margin: float) -> None:
@@ -55,8 +59,9 @@ def draw_rulers(pen: Pen, paper: Paper, margin: float) -> None:
     """
     width, height = paper.width_mm, paper.height_mm
     portrait = width <= height
-    x0 = margin if portrait else margin + _RULER_BAND_MM
-    y0 = height - margin - (_RULER_BAND_MM if portrait else 0.0)
+    aside = _RULER_BAND_MM + 1.0
+    x0 = margin if portrait else margin + aside
+    y0 = height - margin - (aside if portrait else 0.0)
     if length := ruler_length_mm(width - margin - x0):
         with pen.moved(x0, height - margin - _RULER_BAND_MM):
             _draw_ruler(pen, length, "x")
@@ -97,11 +102,11 @@ def draw_page(pen: Pen, pad: Pad, options: PrintOptions, width_mm: float, height
 
 def _draw_ruler(pen: Pen, length: int, axis: str) -> None:
     """A ruler from the origin along x, its ticks below, within the ruler band."""
-    pen.line(0.0, 0.1, length, 0.1)
+    ticks = [Box(0.0, 0.0, length, _LINE_MM)]
     for mm in range(length + 1):
         tall = 2.4 if mm % 10 == 0 else 1.7 if mm % 5 == 0 else 1.1
-        # The outer ticks end at the nominal length; the line is 0.1 mm wide.
-        pen.line(mm, 0.0, mm, tall, 0.1)
+        ticks.append(Box(mm - _LINE_MM / 2, 0.0, mm + _LINE_MM / 2, tall))
+    pen.bars(ticks)
     for mm in range(0, length + 1, 50 if length > 200 else 20):
         align = "left" if mm == 0 else "right" if mm == length else "center"
         pen.text(mm, 4.3, f"{mm}", 2.0, align=align)  # type: ignore[arg-type]

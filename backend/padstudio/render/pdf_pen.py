@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Literal
 
@@ -99,6 +99,11 @@ class Pen:
     def fill(self, box: Box, rgb: tuple[int, int, int]) -> None:
         """A box in one colour."""
         self.canvas._code.append(f"{fill_operator(rgb, self._ink)} {_rectangle(box)} f")
+
+    def bars(self, boxes: Iterable[Box]) -> None:
+        """Black boxes in one path: viewers move a single box to whole pixels, but not these."""
+        path = " ".join(map(_rectangle, boxes))
+        self.canvas._code.append(f"{fill_operator(BLACK, self._ink)} {path} f")
 
     def polygon(self, *points: tuple[float, float]) -> None:
         """A black polygon."""
