@@ -1,0 +1,54 @@
+import pytest
+
+from padstudio.errors import NotFoundError
+from padstudio.flights.sources import find_stills
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    for name in ("f10.jpg", "f2.JPG", "f1.png", "notes.txt", "deep/g1.jpg", "deep/er/h1.tif"):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+    (tmp_path / "folder.jpg").mkdir()
+    monkeypatch.chdir(tmp_path)
+
+
+def names(*sources):
+    return [path.as_posix() for path in find_stills(sources)]
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_folder_is_its_pictures_with_numbers_by_value():
+    assert names(".") == ["f1.png", "f2.JPG", "f10.jpg"]
+
+
+@pytest.mark.usefixtures("folder")
+def test_patterns():
+    assert names("f*") == ["f1.png", "f2.JPG", "f10.jpg"]
+    assert names("**/*.jpg") == ["deep/g1.jpg", "f10.jpg"]
+    assert names("deep/**/*") == ["deep/er/h1.tif", "deep/g1.jpg"]
+
+
+@pytest.mark.usefixtures("folder")
+def test_sources_keep_their_order_and_name_each_file_once():
+    assert names("f10.jpg", "f*", "f1.png") == ["f10.jpg", "f1.png", "f2.JPG"]
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_file_named_outright_is_taken_whatever_it_is_called():
+    assert names("notes.txt") == ["notes.txt"]
+
+
+def test_a_file_that_looks_like_a_pattern(tmp_path):
+    path = tmp_path / "f[1].jpg"
+    path.touch()
+    assert find_stills([str(path)]) == [path]
+
+
+@pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("source", ["gone.jpg", "gone/*.jpg", "*.txt", "folder.jpg", ""])
+def test_a_source_without_pictures_is_named(source):
+    with pytest.raises(NotFoundError, match=r"no picture there") as caught:
+        find_stills(["f1.png", source])
+    assert caught.value.message.startswith(f"{source}: ")

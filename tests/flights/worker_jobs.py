@@ -1,0 +1,49 @@
+"""What the workers of the tests do; importable by their processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+
+from padstudio.errors import SearchExhaustedError
+
+
+class OddError(SearchExhaustedError):
+    """Cannot be made from its message alone, so it does not survive pickling."""
+
+    def __init__(self, message: str, field: int) -> None:
+        super().__init__(message, detail={"field": field})
+
+
+def identify(value: int) -> tuple[int, int]:
+    return value, os.getpid()
+
+
+def refuse() -> None:
+    raise OddError("no way on", 3)
+
+
+def divide() -> float:
+    return 1 / 0
+
+
+def die() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def wait(seconds: float) -> None:
+    time.sleep(seconds)
+
+
+def wait_for(path: Path) -> str:
+    while not path.exists():
+        time.sleep(0.01)
+    return "done"
+
+
+def allocate(size_bytes: int) -> int:
+    return int(np.ones(size_bytes, np.uint8).sum())
