@@ -11,7 +11,6 @@ from padstudio.geometry.pose import look_at_pad
 from padstudio.pad import files
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.types import STAGES, Detection, Reason, StageFailure
-from padstudio.web.settings import Settings
 
 ROOT = Path(__file__).parents[1]
 CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
@@ -87,12 +86,6 @@ def test_the_pad_in_the_conventions_is_one():
     field = pad.layers[0].field
     windows = {field[r : r + 2, c : c + 2].tobytes() for r in range(2) for c in range(3)}
     assert len(windows) == 6
-
-
-def test_settings_are_documented_each_and_no_others():
-    text = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
-    documented = re.findall(r"^\| `PADSTUDIO_(\w+)` \|", text, re.MULTILINE)
-    assert [name.lower() for name in documented] == list(Settings.model_fields)
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)

@@ -39,6 +39,9 @@ def find_stills(sources: Iterable[str]) -> list[Path]:
 
 def _expand(source: str) -> list[Path]:
     path = Path(source)
+    # An empty text is no name, though it would make the path of the current folder.
+    if not source:
+        return []
     if path.is_dir():
         return [p for p in path.iterdir() if _is_picture(p)]
     # A name that exists is that file, even if it looks like a pattern.
