@@ -33,20 +33,20 @@ class Binary:
 def block_mean(plane: Plane, blocks: int) -> Binary:
     """White where a pixel exceeds both the channel's mean and its block's mean.
 
-    The channel's mean alone fails in uneven light, the block's alone turns flat blocks into
-    noise; the paper asks for both. Blocks are taken round each pixel, so that no block edges show.
+    A pixel's block is the square round it: blocks at fixed places would leave straight seams in
+    uneven light, which the Hough transform takes for lines of the pad.
 
     Parameters
     ----------
     plane : Plane
     blocks : int
-        Blocks along the plane's longer side.
+        Blocks along the plane's longer side. A block must hold several cells: within one cell it
+        finds nothing but noise.
     """
     values = plane.values
     side = max(3, round(max(values.shape) / blocks)) | 1
     local = cv2.blur(values, (side, side), borderType=cv2.BORDER_REFLECT)
-    # Three quarters of the channel's mean: in the shade of an uneven light the full mean is black.
-    mask = (values > local) & (values > 0.75 * values.mean())
+    mask = (values > local) & (values > values.mean())
     return Binary(mask.astype(np.uint8) * 255, plane, float(mask.mean()))
 
 

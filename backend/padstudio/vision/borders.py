@@ -46,6 +46,11 @@ class Borders:
             self.points_mm[which], self.across_mm[which], self.along_mm[which], self.step[which]
         )
 
+    def thinned(self, most: int) -> Borders:
+        """At most ``most`` of the borders, evenly spread."""
+        stride = -(-len(self.step) // most)
+        return self if stride <= 1 else self.take(np.arange(0, len(self.step), stride))
+
 
 @dataclass(frozen=True, eq=False)
 class Measured:
@@ -63,6 +68,31 @@ class Measured:
     borders: Borders
     xy: Array
     weight: Array
+
+    def thinned(self, most: int) -> Measured:
+        """At most ``most`` of them, evenly spread."""
+        stride = -(-len(self.xy) // most)
+        if stride <= 1:
+            return self
+        which = np.arange(0, len(self.xy), stride)
+        return Measured(self.borders.take(which), self.xy[which], self.weight[which])
+
+
+def concatenate(parts: list[Measured]) -> Measured:
+    """Several layers' measured borders as one."""
+    if len(parts) == 1:
+        return parts[0]
+    borders = Borders(
+        np.concatenate([part.borders.points_mm for part in parts]),
+        np.concatenate([part.borders.across_mm for part in parts]),
+        np.concatenate([part.borders.along_mm for part in parts]),
+        np.concatenate([part.borders.step for part in parts]),
+    )
+    return Measured(
+        borders,
+        np.concatenate([part.xy for part in parts]),
+        np.concatenate([part.weight for part in parts]),
+    )
 
 
 def layer_borders(pad: Pad, layer: Layer, rows: tuple[int, int], cols: tuple[int, int]) -> Borders:

@@ -18,7 +18,7 @@ from padstudio.vision.types import Array
 ToPixels = Callable[[Array], Array]
 
 # Cells are read at the level where they are at least this wide, pixels.
-_READING_WIDTH = 4.0
+_READING_WIDTH = 3.0
 # Brightness is compared with that of a block of this many cells a side.
 _BLOCK = 9
 
@@ -33,7 +33,7 @@ class CellGrid:
     column0, row0 : int
         Lattice coordinates of the first cell's top-left corner.
     values : (R, C) float32
-        Grey value at each cell's centre, averaged over about half a cell.
+        Grey value at each cell's centre, averaged over a third of a cell or so.
     seen : (R, C) bool
         True where the cell's centre lies in the frame.
     relative : (R, C) float32
@@ -140,8 +140,6 @@ def _sample(
     )
     plane = pyramid.plane(channel, level, box)
     picture = plane.values
-    if width / plane.pixel >= _READING_WIDTH:
-        picture = np.asarray(cv2.blur(picture, (3, 3)))
     at = plane.from_frame(xy.reshape(-1, 2)).astype(np.float32).reshape(xy.shape)
     values = cv2.remap(
         picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE

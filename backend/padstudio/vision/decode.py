@@ -19,11 +19,13 @@ from padstudio.vision.cells import CellGrid, relative_field
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.types import Array
 
-Spectrum = NDArray[np.complex128]
+Spectrum = NDArray[np.complex128] | NDArray[np.complex64]
 
 _CLIP = 2.0
 # Overlaps of fewer cells with the pad are not looked at.
 _LEAST_OVERLAP = 12
+# At most this many cells a side are correlated.
+_PATCH = 48
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class Placement:
     ----------
     layer : Layer
     turn : int
-        Counter-clockwise quarter turns that take the read patch to the field (`numpy.rot90`).
+        Counter-clockwise quarter turns that take the read patch to the field.
     pad_from_lattice : (3, 3) float64
         Takes homogeneous lattice coordinates (column, row, 1) of the picture to those of the
         layer.
@@ -65,7 +67,7 @@ class LayerIndex:
         self.pad = pad
         self.layer = layer
         self._relative = np.clip(relative_field(layer.field), -_CLIP, _CLIP)
-        self._spectra: dict[tuple[int, int], tuple[Spectrum, Spectrum]] = {}
+        self._spectra: dict[int, list[tuple[Spectrum, Spectrum]]] = {}
 
     def locate(self, cells: CellGrid, attempts: int = 1) -> Placement | None:
         """The likeliest place of read cells.
@@ -82,57 +84,56 @@ class LayerIndex:
         Placement or None
             The best place, whether or not the evidence suffices; None without any overlap.
         """
-        patch = np.clip(cells.relative, -_CLIP, _CLIP)
         rows, cols = self.layer.field.shape
-        side = max(patch.shape)
-        shape = (cv2.getOptimalDFTSize(rows + side), cv2.getOptimalDFTSize(cols + side))
+        top, left, patch = _middle(np.clip(cells.relative, -_CLIP, _CLIP), cells.seen)
+        size = max(rows, cols) + max(patch.shape)
+        side = cv2.getOptimalDFTSize(size)
+        signal = np.fft.rfft2(patch, (side, side)).conj()
+        energy = np.fft.rfft2(patch * patch, (side, side)).conj()
         best: tuple[float, int, int, int] | None = None
-        for turn in range(4):
-            score = self._correlate(np.rot90(patch, turn), shape)
+        for turn, (field, ones) in enumerate(self._spectrum(side)):
+            match = np.fft.irfft2(field * signal, (side, side))
+            weight = np.fft.irfft2(ones * energy, (side, side))
+            score = match / np.sqrt(np.maximum(weight, _LEAST_OVERLAP))
             peak = int(np.argmax(score))
-            value = float(score.flat[peak])
-            if best is None or value > best[0]:
-                best = (value, turn, *divmod(peak, shape[1]))
+            if best is None or score.flat[peak] > best[0]:
+                best = (float(score.flat[peak]), turn, *divmod(peak, side))
         assert best is not None
         _, turn, row, col = best
-        turned = np.rot90(patch, turn).shape
-        # A peak in the upper half of the cyclic range stands for a negative shift.
-        row = row - shape[0] if row >= rows else row
-        col = col - shape[1] if col >= cols else col
-        return self._placement(cells, turn, row, col, turned, attempts)
+        shape = self.layer.field.shape if turn % 2 == 0 else self.layer.field.shape[::-1]
+        # A peak in the upper part of the cyclic range stands for a negative shift.
+        row = row - side if row >= shape[0] else row
+        col = col - side if col >= shape[1] else col
+        return self._placement(cells, turn, row - top, col - left, attempts)
 
-    def _correlate(self, patch: NDArray[np.float32], shape: tuple[int, int]) -> Array:
-        """Matched-filter score of a patch at every cyclic shift, (H, W)."""
-        field, ones = self._spectrum(shape)
-        signal = np.fft.rfft2(patch, shape)
-        energy = np.fft.rfft2(patch * patch, shape)
-        match = np.fft.irfft2(field * signal.conj(), shape)
-        weight = np.fft.irfft2(ones * energy.conj(), shape)
-        return np.asarray(match / np.sqrt(np.maximum(weight, _LEAST_OVERLAP)))
-
-    def _spectrum(self, shape: tuple[int, int]) -> tuple[Spectrum, Spectrum]:
-        if shape not in self._spectra:
-            field = np.fft.rfft2(self._relative, shape)
-            ones = np.fft.rfft2(np.ones(self.layer.field.shape, np.float32), shape)
-            self._spectra = {shape: (field, ones)}
-        return self._spectra[shape]
+    def _spectrum(self, side: int) -> list[tuple[Spectrum, Spectrum]]:
+        """Transforms of the field and of its support, turned clockwise by 0 … 3 quarters."""
+        if side not in self._spectra:
+            ones = np.ones_like(self._relative)
+            self._spectra = {
+                side: [
+                    (
+                        np.fft.rfft2(np.rot90(self._relative, -turn), (side, side)),
+                        np.fft.rfft2(np.rot90(ones, -turn), (side, side)),
+                    )
+                    for turn in range(4)
+                ]
+            }
+        return self._spectra[side]
 
     def _placement(
-        self,
-        cells: CellGrid,
-        turn: int,
-        row: int,
-        col: int,
-        turned: tuple[int, ...],
-        attempts: int,
+        self, cells: CellGrid, turn: int, row: int, col: int, attempts: int
     ) -> Placement | None:
-        expected_turned = crop(self.layer.field, row, col, (turned[0], turned[1]))
-        expected = np.ascontiguousarray(np.rot90(expected_turned, -turn))
-        places = 4 * (self.layer.rows + turned[0]) * (self.layer.cols + turned[1])
+        """The place where the patch's first cell lies in the field turned clockwise."""
+        turned = np.rot90(self.layer.field, -turn)
+        expected = crop(turned, row, col, cells.values.shape)
+        rows, cols = cells.values.shape
+        places = 4 * (self.layer.rows + rows) * (self.layer.cols + cols)
         evidence = judge(
             cells.levels(self.pad.levels), expected, self.pad.levels, places * attempts
         )
-        to_pad = _turn_matrix(turn, cells, row, col)
+        shift = np.array([[1.0, 0, col - cells.column0], [0, 1.0, row - cells.row0], [0, 0, 1]])
+        to_pad = _turn_back(turn, turned.shape) @ shift
         return Placement(self.layer, turn, to_pad, evidence, cells, expected)
 
 
@@ -146,15 +147,23 @@ def crop(field: NDArray[np.uint8], row: int, col: int, shape: tuple[int, int]) -
     return out
 
 
-def _turn_matrix(turn: int, cells: CellGrid, row: int, col: int) -> Array:
-    """Lattice coordinates of the picture to those of the layer, homogeneous."""
-    rows, cols = cells.values.shape
-    shift = np.array([[1.0, 0, -cells.column0], [0, 1.0, -cells.row0], [0, 0, 1]])
+def _middle(
+    patch: NDArray[np.float32], seen: NDArray[np.bool_]
+) -> tuple[int, int, NDArray[np.float32]]:
+    """The middle of a large patch, and where it begins: more cells do not make a place surer."""
+    rows, cols = np.nonzero(seen.any(axis=1))[0], np.nonzero(seen.any(axis=0))[0]
+    top = max(0, int((rows[0] + rows[-1] + 1) // 2) - _PATCH // 2)
+    left = max(0, int((cols[0] + cols[-1] + 1) // 2) - _PATCH // 2)
+    return top, left, patch[top : top + _PATCH, left : left + _PATCH]
+
+
+def _turn_back(turn: int, shape: tuple[int, ...]) -> Array:
+    """Lattice coordinates of a field turned clockwise to those of the field itself."""
+    rows, cols = shape
     turns = {
         0: [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1]],
         1: [[0.0, 1, 0], [-1.0, 0, cols], [0, 0, 1]],
         2: [[-1.0, 0, cols], [0, -1.0, rows], [0, 0, 1]],
         3: [[0.0, -1, rows], [1.0, 0, 0], [0, 0, 1]],
     }
-    place = np.array([[1.0, 0, col], [0, 1.0, row], [0, 0, 1]])
-    return np.asarray(place @ np.array(turns[turn]) @ shift)
+    return np.array(turns[turn])

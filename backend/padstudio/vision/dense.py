@@ -14,7 +14,7 @@ from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.choose import Choice, choose
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.explain import explain
-from padstudio.vision.measure import LayerRead, Measurement, read_layer, refine_pose
+from padstudio.vision.measure import LayerRead, Measurement, Refiner
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planar import planar_pose
@@ -34,6 +34,8 @@ from padstudio.vision.view import to_pad
 
 # Below this ratio of the two planar poses' errors the first one is beyond doubt.
 _CLEAR = 0.15
+# A start whose few borders fit this much better than the other's needs no comparison to the end.
+_BETTER = 0.85
 # Residuals beyond this share of the measured cells' width mean that the borders are not these.
 _MOST_RESIDUAL = 0.12
 # While following, layers with cells of this width and number must agree.
@@ -71,9 +73,10 @@ class Dense:
                 recorder.append(explain(frame, found.region, [], found.level))
             return Detection(None, found.failure)
         starts = recorder.run("pose", None, self._first_poses, found)
-        measurement = recorder.run("pose", None, self._best_of, pyramid, camera, starts)
-        attempts = len(frame.lattices) * len(self.indices)
-        detection, reads = self._judge(pyramid, camera, measurement, recorder, attempts)
+        places = len(frame.lattices) * len(self.indices)
+        refiner = Refiner(pyramid, camera, self.pad, self.params, places)
+        measurement = recorder.run("pose", None, _best_of, refiner, starts)
+        detection, reads = self._judge(refiner, measurement, recorder)
         if recorder.keep:
             recorder.append(explain(frame, found.region, reads, None))
         return detection
@@ -84,8 +87,9 @@ class Dense:
         A near miss must not pass for a lock, so every layer that can be read has to agree.
         """
         pyramid, camera = self._prepare(bgr, recorder)
-        measurement = recorder.run("pose", None, self._best_of, pyramid, camera, [expected])
-        detection, reads = self._judge(pyramid, camera, measurement, recorder, 1)
+        refiner = Refiner(pyramid, camera, self.pad, self.params, 1)
+        measurement = recorder.run("pose", None, _best_of, refiner, [expected])
+        detection, reads = self._judge(refiner, measurement, recorder)
         for read in reads:
             readable = read.cells.cell_px >= _READABLE_PX and read.evidence.read >= _ENOUGH
             if detection.ok and readable and not read.evidence.suffices(0.0):
@@ -119,32 +123,21 @@ class Dense:
             return [first.pose]
         return [first.pose, first.other]
 
-    def _best_of(self, pyramid: Pyramid, camera: Camera, starts: list[Pose]) -> Measurement | None:
-        """Refine from each start; the finer layer wins, then the smaller residual."""
-        found = [
-            refine_pose(pyramid, camera, self.pad, MovingPose(start), self.params)
-            for start in starts
-        ]
-        measured = [item for item in found if item is not None]
-        if not measured:
-            return None
-        return min(measured, key=lambda item: (item.layer.cell_mm, item.fit.rms_px))
-
     def _judge(
-        self,
-        pyramid: Pyramid,
-        camera: Camera,
-        measurement: Measurement | None,
-        recorder: Recorder,
-        attempts: int,
+        self, refiner: Refiner, measurement: Measurement | None, recorder: Recorder
     ) -> tuple[Detection, list[LayerRead]]:
         """Read all cells with the refined pose; give it only where they agree with the pad."""
         failure = _unfit(measurement)
         if failure is not None or measurement is None:
             recorder.note("pose", None, failure)
             return Detection(None, failure), []
-        pose = measurement.fit.pose
-        reads = self._read_layers(pyramid, camera, pose, recorder, attempts)
+        reads = [measurement.read]
+        for layer in self.pad.layers:
+            if layer is measurement.layer:
+                continue
+            read = recorder.run("decode", layer.channel, refiner.read, layer, measurement.fit.pose)
+            if read is not None:
+                reads.append(read)
         choice = recorder.run(
             "choose", None, choose, reads, measurement.layer, self.params.log10_false_alarm
         )
@@ -152,18 +145,17 @@ class Dense:
             return Detection(None, choice), reads
         return _detection(measurement, choice), reads
 
-    def _read_layers(
-        self, pyramid: Pyramid, camera: Camera, pose: MovingPose, recorder: Recorder, attempts: int
-    ) -> list[LayerRead]:
-        reads = []
-        for layer in self.pad.layers:
-            places = 4 * layer.rows * layer.cols * attempts
-            read = recorder.run(
-                "decode", layer.channel, read_layer, pyramid, camera, self.pad, layer, pose, places
-            )
-            if read is not None:
-                reads.append(read)
-        return reads
+
+def _best_of(refiner: Refiner, starts: list[Pose]) -> Measurement | None:
+    """Refine from the start whose few borders fit best."""
+    settled = [rungs for rungs in (refiner.settle(MovingPose(start)) for start in starts) if rungs]
+    settled.sort(key=lambda rungs: (rungs[-1].layer.cell_mm, rungs[-1].rms_px))
+    if not settled:
+        return None
+    clear = len(settled) == 1 or settled[0][-1].rms_px < _BETTER * settled[1][-1].rms_px
+    polished = [refiner.polish(rungs) for rungs in (settled[:1] if clear else settled)]
+    found = [item for item in polished if item is not None]
+    return min(found, key=lambda item: (item.layer.cell_mm, item.fit.rms_px), default=None)
 
 
 def _unfit(measurement: Measurement | None) -> StageFailure | None:

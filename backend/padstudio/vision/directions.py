@@ -21,7 +21,7 @@ from padstudio.vision.types import Array
 # Rings of candidate normals: (tilt in degrees, how many); denser where foreshortening is strong.
 _LOW_RINGS = ((12, 6), (23, 11), (33, 15), (42, 20))
 _HIGH_RINGS = ((50, 24), (57, 30), (63, 36), (68, 42), (72, 48), (76, 54))
-_COARSE_EDGES, _FINE_EDGES = 1200, 3000
+_COARSE_EDGES, _FINE_EDGES = 800, 2000
 _STARTS = 3
 # A coherence from which steep candidates need not be tried.
 _CLEAR = 0.45
@@ -120,9 +120,9 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
         score = np.abs(_coherence(normals, edges.lines[coarse], rays[coarse])[0])
         for start in _distinct(normals, score):
             found.append(_climb(start, edges.lines[fine], rays[fine]))
+            if found[-1][0] > _CLEAR:
+                return found[-1:]
         found.sort(key=lambda item: -item[0])
-        if found[0][0] > _CLEAR:
-            break
     kept: list[tuple[float, Array]] = []
     for item in found:
         if all(item[1][2] @ other[1][2] < math.cos(math.radians(3)) for other in kept):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
+from padstudio.vision.motion import cross
 from padstudio.vision.planes import Plane
 from padstudio.vision.types import Array
 
@@ -108,6 +109,6 @@ def _tangent_planes(camera: Camera, xy: Array, tangent: Array) -> tuple[Array, A
     ends = camera.normalize(np.concatenate([xy - tangent, xy + tangent]))
     a = np.column_stack([ends[: len(xy)], np.ones(len(xy))])
     b = np.column_stack([ends[len(xy) :], np.ones(len(xy))])
-    lines = np.cross(a, b)
+    lines = cross(a, b)
     lines /= np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), 1e-12)
     return (a + b) / 2, lines

@@ -1,7 +1,8 @@
 """Stage `pose`: from a first pose to the best one the picture allows, layer by layer.
 
-Coarse layers first: their borders bring the pose near enough to tell the finer layer's borders
-apart. A layer counts only where its cells, read with the refined pose, agree with the pad.
+Coarse layers first, with few borders: they bring the pose near enough to tell the finer layer's
+borders apart. Then all borders of all readable layers at once. A layer counts only where its
+cells, read with the refined pose, agree with the pad.
 """
 
 from __future__ import annotations
@@ -10,15 +11,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.borders import Borders, Measured, layer_borders, measure
+from padstudio.vision.borders import Borders, Measured, concatenate, layer_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
-from padstudio.vision.planes import Pyramid
+from padstudio.vision.planes import Box, Pyramid
 from padstudio.vision.refine import Fit, better_of, fit_pose
 from padstudio.vision.types import Array
 from padstudio.vision.view import to_pad, visible_range
@@ -26,15 +28,29 @@ from padstudio.vision.view import to_pad, visible_range
 # Profiles reach this far, and are taken where a cell is about this wide, pixels of the plane.
 _REACH_PX = 6.0
 _CELL_PX = 9.0
+_LEAST_BORDERS = 12
+# So many borders decide between a still and a moving camera; all of them then fit the pose.
+_DECIDING = 800
 
 
 @dataclass(frozen=True, eq=False)
 class LayerRead:
-    """A layer's cells read with a known pose."""
+    """A layer's cells read with a known pose.
+
+    Attributes
+    ----------
+    layer : Layer
+    cells : CellGrid
+    expected : (R, C) int8
+        Levels that the pad has there.
+    evidence : Evidence
+    area_mm2 : float
+        Area of the cells read.
+    """
 
     layer: Layer
     cells: CellGrid
-    expected: np.ndarray[tuple[int, ...], np.dtype[np.int8]]
+    expected: NDArray[np.int8]
     evidence: Evidence
     area_mm2: float
 
@@ -49,11 +65,13 @@ class Measurement:
     layer : Layer
         The finest layer that was measured.
     measured : Measured
-        Its borders.
+        The borders of it and of coarser layers.
     camera : Camera
         At the frame's size.
     cell_px : float
         Median width of a cell of the layer, frame pixels.
+    read : LayerRead
+        The layer's cells.
     """
 
     fit: Fit
@@ -61,101 +79,145 @@ class Measurement:
     measured: Measured
     camera: Camera
     cell_px: float
+    read: LayerRead
 
 
-def refine_pose(
-    pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose, params: DetectorParams
-) -> Measurement | None:
-    """Measure the borders of every readable layer, the coarse ones first.
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """A readable layer with its borders in view, and what its few borders gave."""
 
-    Returns
-    -------
-    Measurement or None
-        None where no layer shows enough borders.
-    """
-    best: Measurement | None = None
-    pose = start
-    for layer in sorted(pad.layers, key=lambda item: -item.cell_mm):
-        found = _refine_layer(pyramid, camera, pad, layer, pose, params)
-        if found is None:
-            continue
-        read = read_layer(pyramid, camera, pad, layer, found.fit.pose, places=1)
-        if read is None or not read.evidence.suffices(0.0):
-            continue
-        best, pose = found, found.fit.pose
-    return best
+    layer: Layer
+    borders: Borders
+    cell_px: float
+    pose: MovingPose
+    rms_px: float
 
 
-def read_layer(
-    pyramid: Pyramid, camera: Camera, pad: Pad, layer: Layer, pose: MovingPose, places: int
-) -> LayerRead | None:
-    """Read a layer's visible cells where a pose puts them, and compare them with the pad.
+@dataclass(frozen=True)
+class Refiner:
+    """What refinement needs to know of its frame.
 
-    Parameters
+    Attributes
     ----------
+    pyramid : Pyramid
+    camera : Camera
+        At the frame's size.
+    pad : Pad
+    params : DetectorParams
     places : int
-        Among how many places this one was chosen; it weakens the evidence.
+        Among how many places of the pad the first pose was chosen; it weakens the evidence.
     """
-    rows, cols = visible_range(pad, layer, camera, pose.pose)
-    if rows[0] >= rows[1] or cols[0] >= cols[1]:
+
+    pyramid: Pyramid
+    camera: Camera
+    pad: Pad
+    params: DetectorParams
+    places: int
+
+    def settle(self, start: MovingPose) -> list[Rung]:
+        """Readable layers, the coarse ones first, each with the pose that it led to."""
+        pose = start
+        rungs: list[Rung] = []
+        for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
+            borders, cell_px = self._visible_borders(layer, pose)
+            if len(borders.step) < _LEAST_BORDERS or cell_px < self.params.refine.least_cell_px:
+                continue
+            few, rms = borders.thinned(self.params.refine.few_borders), np.inf
+            for _ in range(2):
+                measured = self._measure(layer, few, pose, cell_px, sharper=0)
+                fit = self._fit(pose, measured, iterations=3)
+                if fit is None:
+                    break
+                pose, rms = fit.pose, fit.rms_px
+            rungs.append(Rung(layer, borders, cell_px, pose, rms))
+        return rungs
+
+    def polish(self, rungs: list[Rung]) -> Measurement | None:
+        """Measure all borders; finest layer first, coarser ones where its cells disagree."""
+        for last in range(len(rungs), 0, -1):
+            rung = rungs[last - 1]
+            measured = concatenate(
+                [
+                    self._measure(item.layer, item.borders, rung.pose, item.cell_px, sharper=1)
+                    for item in rungs[:last]
+                ]
+            )
+            fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
+            if fit is None:
+                continue
+            motion = not fit.pose.still
+            full = fit_pose(fit.pose, measured, self.camera, motion=motion, iterations=2)
+            fit = full or fit
+            read = self.read(rung.layer, fit.pose)
+            if read is not None and read.evidence.suffices(0.0):
+                return Measurement(fit, rung.layer, measured, self.camera, rung.cell_px, read)
         return None
 
-    def to_pixels(coordinates: Array) -> Array:
-        return pose.project(camera, to_pad(pad, layer, coordinates))
+    def _fit(self, start: MovingPose, measured: Measured, *, iterations: int) -> Fit | None:
+        """A still fit, or a moving one where the residuals ask for it."""
+        fit = fit_pose(start, measured, self.camera, motion=False, iterations=iterations)
+        if fit is None or not self.params.refine.motion:
+            return fit
+        moving = fit_pose(fit.pose, measured, self.camera, motion=True, iterations=iterations)
+        return better_of(fit, moving)
 
-    cells = read_cells(pyramid, layer.channel, to_pixels, cols, rows)
-    if cells is None:
-        return None
-    expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
-    evidence = judge(cells.levels(pad.levels), expected, pad.levels, places)
-    area = float(cells.seen.sum()) * layer.cell_mm**2
-    return LayerRead(layer, cells, expected, evidence, area)
+    def read(self, layer: Layer, pose: MovingPose) -> LayerRead | None:
+        """Read a layer's visible cells where a pose puts them, and compare them with the pad."""
+        rows, cols = visible_range(self.pad, layer, self.camera, pose.pose)
+        if rows[0] >= rows[1] or cols[0] >= cols[1]:
+            return None
+
+        def to_pixels(coordinates: Array) -> Array:
+            return pose.project(self.camera, to_pad(self.pad, layer, coordinates))
+
+        cells = read_cells(self.pyramid, layer.channel, to_pixels, cols, rows)
+        if cells is None:
+            return None
+        expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
+        places = 4 * layer.rows * layer.cols * self.places
+        evidence = judge(cells.levels(self.pad.levels), expected, self.pad.levels, places)
+        area = float(cells.seen.sum()) * layer.cell_mm**2
+        return LayerRead(layer, cells, expected, evidence, area)
+
+    def _measure(
+        self, layer: Layer, borders: Borders, pose: MovingPose, cell_px: float, *, sharper: int
+    ) -> Measured:
+        level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
+        level = max(0, level - sharper)
+        box = _box(pose.project(self.camera, borders.points_mm), self.camera, int(cell_px) + 8)
+        plane = self.pyramid.plane(layer.channel, level, box)
+        return measure(borders, plane, self.camera, pose, _REACH_PX)
+
+    def _visible_borders(self, layer: Layer, pose: MovingPose) -> tuple[Borders, float]:
+        """Borders in view, thinned evenly, and the median width of a cell, frame pixels."""
+        rows, cols = visible_range(self.pad, layer, self.camera, pose.pose)
+        borders = layer_borders(self.pad, layer, rows, cols)
+        borders = borders.thinned(3 * self.params.refine.most_borders)
+        pixels = pose.project(self.camera, borders.points_mm)
+        with np.errstate(invalid="ignore"):
+            inside = (
+                (pixels[:, 0] > 1)
+                & (pixels[:, 1] > 1)
+                & (pixels[:, 0] < self.camera.width - 2)
+                & (pixels[:, 1] < self.camera.height - 2)
+            )
+        which = np.flatnonzero(inside)
+        if not len(which):
+            return borders.take(which), 0.0
+        few = which[:: max(1, len(which) // 200)]
+        moved = borders.points_mm[few] + 0.05 * borders.across_mm[few]
+        step = pose.project(self.camera, moved) - pixels[few]
+        cell_px = 20 * float(np.nanmedian(np.linalg.norm(step, axis=1)))
+        return borders.take(which).thinned(self.params.refine.most_borders), cell_px
 
 
-def _refine_layer(
-    pyramid: Pyramid,
-    camera: Camera,
-    pad: Pad,
-    layer: Layer,
-    pose: MovingPose,
-    params: DetectorParams,
-) -> Measurement | None:
-    borders, cell_px = _visible_borders(camera, pad, layer, pose, params.refine.most_borders)
-    if len(borders.step) < 12 or cell_px < params.refine.least_cell_px:
-        return None
-    level = max(0, math.floor(math.log2(cell_px / _CELL_PX))) if cell_px > _CELL_PX else 0
-    best: tuple[Fit, Measured] | None = None
-    for step in (level, level, max(0, level - 1)):
-        plane = pyramid.plane(layer.channel, step)
-        measured = measure(borders, plane, camera, pose, _REACH_PX)
-        fit = fit_pose(pose, measured, camera, motion=False)
-        if fit is None:
-            break
-        if params.refine.motion:
-            fit = better_of(fit, fit_pose(fit.pose, measured, camera, motion=True))
-        pose, best = fit.pose, (fit, measured)
-    return None if best is None else Measurement(best[0], layer, best[1], camera, cell_px)
-
-
-def _visible_borders(
-    camera: Camera, pad: Pad, layer: Layer, pose: MovingPose, most: int
-) -> tuple[Borders, float]:
-    """Borders in view, thinned evenly, and the median width of a cell across them, pixels."""
-    rows, cols = visible_range(pad, layer, camera, pose.pose)
-    borders = layer_borders(pad, layer, rows, cols)
-    pixels = pose.project(camera, borders.points_mm)
-    with np.errstate(invalid="ignore"):
-        inside = (
-            (pixels[:, 0] > 1)
-            & (pixels[:, 1] > 1)
-            & (pixels[:, 0] < camera.width - 2)
-            & (pixels[:, 1] < camera.height - 2)
-        )
-    which = np.flatnonzero(inside)
-    if not len(which):
-        return borders.take(which), 0.0
-    which = which[:: max(1, -(-len(which) // most))]
-    chosen = borders.take(which)
-    moved = pose.project(camera, chosen.points_mm + 0.05 * chosen.across_mm)
-    cell_px = 20 * float(np.nanmedian(np.linalg.norm(moved - pixels[which], axis=1)))
-    return chosen, cell_px
+def _box(pixels: Array, camera: Camera, border: int) -> Box:
+    """The part of the frame round some of its points."""
+    low = np.floor(np.nanmin(pixels, axis=0)).astype(int) - border
+    high = np.ceil(np.nanmax(pixels, axis=0)).astype(int) + border + 1
+    return Box(
+        max(0, int(low[0])),
+        max(0, int(low[1])),
+        min(camera.width, int(high[0])),
+        min(camera.height, int(high[1])),
+    )

@@ -12,6 +12,13 @@ from padstudio.geometry.pose import Pose
 from padstudio.vision.types import Array
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Cross products of rows, (N, 3) each; `numpy.cross` costs four times as much on thousands."""
+    ax, ay, az = a.T
+    bx, by, bz = b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
+
+
 @dataclass(frozen=True, eq=False)
 class MovingPose:
     """The pose at the frame's middle row and its change from top to bottom.
@@ -41,7 +48,9 @@ class MovingPose:
         s = np.broadcast_to(np.asarray(moment, float), (len(points_mm),))[:, None]
         seen = (points_mm - self.pose.position_mm - s * self.shift_mm) @ self.pose.rotation
         # The turn within one frame is small: first order suffices.
-        return np.asarray(seen - np.cross(s * self.turn, seen), float)
+        if self.still:
+            return np.asarray(seen, float)
+        return np.asarray(seen - s * cross(np.broadcast_to(self.turn, seen.shape), seen), float)
 
     def moment(self, camera: Camera, rows: Array) -> Array:
         """Moments of frame rows, −0.5 … 0.5."""

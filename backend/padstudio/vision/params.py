@@ -57,7 +57,9 @@ class RefineParams:
     Attributes
     ----------
     most_borders : int
-        More borders than this are thinned evenly.
+        More borders of a layer than this are thinned evenly.
+    few_borders : int
+        How many of them bring the pose near enough for the rest.
     least_cell_px : float
         Layers whose cells are smaller than this in the frame are not measured.
     motion : bool
@@ -65,11 +67,13 @@ class RefineParams:
     """
 
     most_borders: int = 3000
+    few_borders: int = 300
     least_cell_px: float = 3.2
     motion: bool = True
 
     def __post_init__(self) -> None:
         _within("most_borders", self.most_borders, 50, 1_000_000)
+        _within("few_borders", self.few_borders, 50, self.most_borders)
         _within("least_cell_px", self.least_cell_px, 2.0, 100.0)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.vision.borders import Measured
-from padstudio.vision.motion import MovingPose
+from padstudio.vision.motion import MovingPose, cross
 from padstudio.vision.types import Array
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
@@ -22,7 +22,7 @@ from padstudio.vision.types import Array
 # Change of height looks like tilt to a rolling shutter, so its bound is what keeps them apart.
 _SHIFT_SIGMA, _CLIMB_SIGMA, _TURN_SIGMA = 0.005, 0.0005, 0.004
 # The moving model must lower the sum of squares by this many variances, six being free.
-_MOTION_GAIN = 60.0
+_MOTION_GAIN = 40.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ def fit_pose(
     moment = start.moment(camera, measured.xy[:, 1])
     size = 12 if motion else 6
     prior = _prior(start, size)
-    pose, sigma = start, 1.0
+    pose, sigma = (start if motion else MovingPose(start.pose)), 1.0
     for _ in range(iterations):
         residual, jacobian = _linearize(pose, measured, rays, moment, size)
         residual, jacobian = residual * camera.focal_px, jacobian * camera.focal_px
@@ -133,7 +133,7 @@ def _linearize(
     gradient = np.column_stack([normal, -(normal * x).sum(axis=1)]) / p[:, 2:]
     # p = Rᵀ(P − C) gives dp/dC = −Rᵀ; a turn w of the camera gives dp = −w × p.
     by_centre = -gradient @ pose.pose.rotation.T
-    by_turn = -np.cross(p, gradient)
+    by_turn = -cross(p, gradient)
     jacobian = np.column_stack([by_centre, by_turn])
     if size == 12:
         jacobian = np.column_stack([jacobian, moment[:, None] * jacobian])

@@ -17,9 +17,12 @@ from padstudio.vision.planes import BGR_INDEX, Box, Pyramid
 
 # The mask is made at about this width: cells blend there, the pad's shape does not.
 _MASK_WIDTH = 340
-# Least difference of the two classes' mean share; below it the frame is all of a kind.
-_LEAST_SEPARATION = 0.035
+# Least difference of either side from the threshold; below it the frame is all of a kind.
+_LEAST_SEPARATION = 0.018
+# A pad has at least this many pixels of the mask; the ground's share is this percentile. Halfway
+# between the two extremes serves a speck of a pad as well as one that fills the frame.
 _LEAST_AREA = 12
+_GROUND = 97
 # Added to the sum of channels, so that noise in the dark does not look like colour.
 _DARK = 12.0
 _MOST_REGIONS = 3
@@ -83,14 +86,11 @@ def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8]
     """(h, w) uint8 of 0 and 1, or None where the picture is all of one kind."""
     blurred = cv2.blur(image.astype(np.float32), (3, 3))
     share = blurred[:, :, unused].mean(axis=2) / (blurred.sum(axis=2) + _DARK)
-    coded = np.clip(share * 512, 0, 255).astype(np.uint8)
-    _, mask = cv2.threshold(coded, 0, 1, cv2.THRESH_BINARY_INV | cv2.THRESH_OTSU)
-    inside = mask.astype(bool)
-    if inside.all() or not inside.any():
+    low = float(np.partition(share, _LEAST_AREA, axis=None)[_LEAST_AREA])
+    high = float(np.percentile(share, _GROUND))
+    if high - low < 2 * _LEAST_SEPARATION:
         return None
-    if share[~inside].mean() - share[inside].mean() < _LEAST_SEPARATION:
-        return None
-    return np.asarray(mask, np.uint8)
+    return (share < (low + high) / 2).astype(np.uint8)
 
 
 def _components(dark: NDArray[np.uint8], level: int, pyramid: Pyramid) -> list[Region]:
