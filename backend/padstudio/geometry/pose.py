@@ -104,7 +104,7 @@ class Pose:
 
     @property
     def euler_deg(self) -> tuple[float, float, float]:
-        """Roll, pitch, yaw of `rotation` about x, y, z (R = Rz(yaw) Ry(pitch) Rx(roll)), degrees."""
+        """Roll, pitch, yaw about x, y, z in degrees: rotation = Rz(yaw) Ry(pitch) Rx(roll)."""
         r = self.rotation
         pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
         roll = math.atan2(r[2, 1], r[2, 2])
