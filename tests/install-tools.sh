@@ -18,7 +18,7 @@ as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
 
 debian_packages=""
 brew_packages=""
-have_chromium || { debian_packages="$debian_packages chromium"; brew_packages="$brew_packages chromium"; }
+have_chromium || { debian_packages="$debian_packages chromium"; brew_packages="$brew_packages google-chrome"; }
 have pdftoppm || { debian_packages="$debian_packages poppler-utils"; brew_packages="$brew_packages poppler"; }
 have curl || { debian_packages="$debian_packages curl"; brew_packages="$brew_packages curl"; }
 [ -n "$debian_packages" ] || exit 0
