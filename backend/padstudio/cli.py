@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from padstudio import cli_detect, cli_generate, cli_print, cli_serve
+from padstudio import cli_detect, cli_generate, cli_print, cli_serve, cli_simulate
 from padstudio.cli_support import StudioGroup
 
 app = typer.Typer(
@@ -50,5 +50,5 @@ def _root(
     pass
 
 
-for part in (cli_generate, cli_print, cli_detect, cli_serve):
+for part in (cli_generate, cli_print, cli_detect, cli_simulate, cli_serve):
     part.register(app)

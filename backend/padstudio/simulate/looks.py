@@ -1,0 +1,99 @@
+"""Named conditions: light, dirt and camera settings that a flight may meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from padstudio.errors import SpecError
+from padstudio.simulate.imaging import Glare, Imaging
+from padstudio.simulate.scene import Light, Occluder, Scene, Shadow
+
+
+@dataclass(frozen=True)
+class Look:
+    """Conditions to put on a scene.
+
+    Attributes
+    ----------
+    light : Light
+    imaging : Imaging
+    leaves : int
+        Number of things that lie on the pad.
+    note : str
+        One line for people.
+    """
+
+    note: str
+    light: Light = field(default_factory=Light)
+    imaging: Imaging = field(default_factory=Imaging)
+    leaves: int = 0
+
+
+def _looks() -> dict[str, Look]:
+    plain = Imaging()
+    half = Shadow(x_mm=80.0, toward_deg=70.0, softness_mm=25.0, density=0.85)
+    drone = Shadow(x_mm=60.0, y_mm=40.0, radius_mm=220.0, softness_mm=90.0, density=0.75)
+    low_sun = Light(gradient_per_m=(0.3, 0.2), cast=(1.15, 1.0, 0.75))
+    return {
+        "clear": Look("even daylight"),
+        "gradient": Look("light that falls off to one side", Light(gradient_per_m=(0.7, 0.3))),
+        "shadow": Look("a hard shadow across the pad", Light(shadows=(half,))),
+        "drone-shadow": Look("the drone's own shadow", Light(shadows=(drone,))),
+        "low-sun": Look("a low, warm sun", low_sun),
+        "dusk": Look(
+            "little light: long exposure, much noise",
+            imaging=plain.with_changes(
+                brightness=0.3, exposure_ms=15.0, full_well_e=800.0, read_noise_e=8.0
+            ),
+        ),
+        "bright": Look("over-exposed", imaging=plain.with_changes(brightness=2.5)),
+        "glare": Look("sun mirrored in the print", imaging=plain.with_changes(glare=Glare(x=0.4))),
+        "defocus": Look("out of focus", imaging=plain.with_changes(defocus_px=3.0)),
+        "blur": Look("slow shutter", imaging=plain.with_changes(exposure_ms=20.0)),
+        "rolling": Look("slow rolling shutter", imaging=plain.with_changes(readout_ms=25.0)),
+        "noise": Look(
+            "a noisy sensor", imaging=plain.with_changes(full_well_e=300.0, read_noise_e=12.0)
+        ),
+        "salt": Look("stuck pixels", imaging=plain.with_changes(hot_pixels=0.02)),
+        "jpeg": Look("strong compression", imaging=plain.with_changes(jpeg_quality=40)),
+        "leaves": Look("leaves and stones on the pad", leaves=28),
+    }
+
+
+LOOKS = _looks()
+
+
+def dress(scene: Scene, look: str, *, seed: int = 0) -> tuple[Scene, Imaging]:
+    """The scene under a look's light with its dirt, and the look's camera settings.
+
+    Raises
+    ------
+    SpecError
+        If there is no such look.
+    """
+    if look not in LOOKS:
+        raise SpecError(f"no look {look!r}; choose one of {', '.join(LOOKS)}")
+    chosen = LOOKS[look]
+    occluders = scene.occluders + _leaves(scene, chosen.leaves, seed)
+    return replace(scene, light=chosen.light, occluders=occluders), chosen.imaging
+
+
+def _leaves(scene: Scene, count: int, seed: int) -> tuple[Occluder, ...]:
+    if scene.pad is None or not count:
+        return ()
+    rng = np.random.default_rng([seed, 0x1EAF])
+    width, height = scene.pad.size_mm
+    leaves = []
+    for x, y, size, *color in rng.random((count, 6)):
+        red, green, blue = (70.0 + 120.0 * float(value) for value in color)
+        leaves.append(
+            Occluder(
+                x_mm=(float(x) - 0.5) * width,
+                y_mm=(float(y) - 0.5) * height,
+                radius_mm=(0.014 + 0.021 * float(size)) * min(width, height),
+                color=(red, green, blue),
+            )
+        )
+    return tuple(leaves)

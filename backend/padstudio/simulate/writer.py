@@ -1,0 +1,138 @@
+"""Simulated flights on disk, with their truth beside them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import cv2
+
+from padstudio.geometry.camera import Camera
+from padstudio.simulate.camera import Frame
+from padstudio.simulate.flights import Flight
+from padstudio.simulate.imaging import Imaging
+from padstudio.simulate.scene import Scene
+from padstudio.simulate.video_writer import Codec, VideoWriter
+
+CAMERA_FILE = "camera.yaml"
+PAD_FILE = "pad.json"
+
+
+def write_flight(
+    folder: Path,
+    flight: Flight,
+    scene: Scene,
+    camera: Camera,
+    imaging: Imaging | None = None,
+    *,
+    video: bool,
+    codec: Codec = "h264",
+    seed: int = 0,
+    progress: Callable[[int], None] | None = None,
+) -> Path:
+    """Render a flight into a folder.
+
+    Stills go to ``stills/`` with ``stills/truth.json``, a list; a video to ``flights/NAME.mp4``
+    with ``flights/NAME.truth.json``, an object with ``frames``. The pad and the camera lie beside.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is not there; files of the same names are written over.
+    flight : Flight
+    scene : Scene
+    camera : Camera
+    imaging : Imaging, optional
+        For a video without its JPEG step.
+    video : bool
+        One MP4 rather than stills.
+    codec : {"h264", "h265"}
+    seed : int
+    progress : callable, optional
+        Called with the number of frames done.
+
+    Returns
+    -------
+    Path
+        The truth file.
+
+    Raises
+    ------
+    SpecError, LimitError
+        As `padstudio.simulate.camera.render` and `VideoWriter`.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    camera.save(folder / CAMERA_FILE)
+    if scene.pad is not None:
+        scene.pad.save(folder / PAD_FILE)
+    imaging = imaging or Imaging()
+    report = progress or (lambda done: None)
+    if video:
+        imaging = imaging.with_changes(jpeg_quality=None)
+        frames = flight.frames(scene, camera, imaging, seed=seed)
+        return _write_video(folder / "flights", flight, frames, camera, codec, report)
+    frames = flight.frames(scene, camera, imaging, seed=seed)
+    return _write_stills(folder / "stills", flight, frames, report)
+
+
+def _write_stills(
+    folder: Path, flight: Flight, frames: Iterable[Frame], report: Callable[[int], None]
+) -> Path:
+    folder.mkdir(exist_ok=True)
+    digits = len(str(len(flight) - 1))
+    truth = []
+    for index, frame in enumerate(frames):
+        suffix = "jpg" if frame.encoded is not None else "png"
+        path = folder / f"{flight.name}_{index:0{digits}d}.{suffix}"
+        path.write_bytes(frame.encoded or bytes(cv2.imencode(".png", frame.image)[1]))
+        truth.append(
+            {
+                "file": f"{folder.name}/{path.name}",
+                "group": flight.groups[index],
+                "camera": CAMERA_FILE,
+                **_truth_fields(frame),
+            }
+        )
+        report(index + 1)
+    return _write_json(folder / "truth.json", truth)
+
+
+def _write_video(
+    folder: Path,
+    flight: Flight,
+    frames: Iterable[Frame],
+    camera: Camera,
+    codec: Codec,
+    report: Callable[[int], None],
+) -> Path:
+    folder.mkdir(exist_ok=True)
+    fps = flight.fps or 30.0
+    truth: list[dict[str, Any]] = []
+    with VideoWriter(
+        folder / f"{flight.name}.mp4",
+        width=camera.width,
+        height=camera.height,
+        fps=fps,
+        codec=codec,
+    ) as writer:
+        for index, frame in enumerate(frames):
+            writer.write(frame.image)
+            truth.append({"frame": index, "time_s": index / fps, **_truth_fields(frame)})
+            report(index + 1)
+    head = {"camera": CAMERA_FILE, "fps": fps, "frames": truth}
+    return _write_json(folder / f"{flight.name}.truth.json", head)
+
+
+def _truth_fields(frame: Frame) -> dict[str, Any]:
+    if frame.truth.scene.pad is None:
+        # Without a pad in the scene any pose is false: the score's mark of a negative.
+        return {}
+    pose = frame.truth.pose
+    return {"position_mm": pose.position_mm.tolist(), "rotation": pose.rotation.tolist()}
+
+
+def _write_json(path: Path, data: object) -> Path:
+    path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    return path
