@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Path
 from fastapi.responses import FileResponse
@@ -17,6 +17,16 @@ router = APIRouter(prefix="/samples", tags=["samples"], responses=ERRORS)
 
 _BASE = "/api/v1/samples/"
 _PAD, _CAMERA = "pad.json", "camera.yaml"
+_FILE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The file.",
+        "content": {
+            "image/jpeg": {"schema": {"type": "string", "format": "binary"}},
+            "application/json": {"schema": {"type": "object"}, "example": {"format": "..."}},
+            "application/yaml": {"schema": {"type": "string"}},
+        },
+    }
+}
 
 
 class SampleList(BaseModel):
@@ -51,6 +61,7 @@ def list_samples() -> SampleList:
     operation_id="getSampleFile",
     summary="A file of the sample",
     response_class=FileResponse,
+    responses=_FILE,
 )
 def get_sample_file(
     name: Annotated[str, Path(pattern=r"^[a-z0-9_]{1,60}\.(jpg|json|yaml)$", examples=[_PAD])],

@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from padstudio.errors import CameraMismatchError, ImageError
+from padstudio.flights.analysis import THUMBNAIL_WIDTH_PX, Job, analyze
+
+FOOTAGE = Path(__file__).parents[1] / "footage"
+STILL = "a_blur1_450.jpg"
+
+
+def _job(pictures: Path | None = None, image: bytes | None = None) -> Job:
+    return Job(
+        image=(FOOTAGE / "stills" / STILL).read_bytes() if image is None else image,
+        source=STILL,
+        pad=(FOOTAGE / "pad_a.json").read_text(),
+        camera=(FOOTAGE / "camera_drone_2k7.yaml").read_text(),
+        method="dense",
+        max_pixels=20_000_000,
+        pictures=pictures,
+    )
+
+
+def test_a_real_still_with_its_stages(tmp_path: Path) -> None:
+    answer = analyze(_job(tmp_path))
+    result = answer["result"]
+    assert (result["status"], result["source"]) == ("ok", STILL)
+    width, height = answer["image"]["width"], answer["image"]["height"]
+    assert answer["camera_scale"] == pytest.approx(width / 2720)
+    json.dumps(answer)
+    names = [stage["picture"] for stage in answer["stages"] if stage["picture"]]
+    assert {"red-edges.png", "red-lines.png", "choose.png"} <= set(names)
+    assert {(s["name"], s["channel"]) for s in answer["stages"]} >= {("edges", "blue")}
+    for name in (*names, "result.png"):
+        image = cv2.imread(str(tmp_path / name), cv2.IMREAD_UNCHANGED)
+        small = cv2.imread(str(tmp_path / f"small-{name}"), cv2.IMREAD_UNCHANGED)
+        assert image.shape[1] / image.shape[0] == pytest.approx(width / height, rel=0.02)
+        assert small.shape[1] == min(THUMBNAIL_WIDTH_PX, image.shape[1])
+
+
+def test_without_a_trace_nothing_is_written() -> None:
+    answer = analyze(_job())
+    assert answer["stages"] is None
+    assert answer["result"]["status"] == "ok"
+
+
+def test_finding_nothing_is_an_answer(tmp_path: Path) -> None:
+    grey = cv2.imencode(".png", np.full((1530, 2720), 90, np.uint8))[1].tobytes()
+    result = analyze(_job(tmp_path, grey))["result"]
+    assert result["status"] == "failed"
+    assert result["reason"]
+    assert result["detail"]
+    assert (tmp_path / "result.png").exists()
+
+
+def test_pictures_that_do_not_fit(tmp_path: Path) -> None:
+    square = cv2.imencode(".png", np.zeros((400, 400), np.uint8))[1].tobytes()
+    with pytest.raises(CameraMismatchError):
+        analyze(_job(tmp_path, square))
+    with pytest.raises(ImageError):
+        analyze(_job(tmp_path, b"x"))
+    assert not list(tmp_path.iterdir())

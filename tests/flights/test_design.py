@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from padstudio.errors import PadFormatError, SpecError
+from padstudio.flights import design
+from padstudio.pad import files
+
+SPEC = {"rows": 14, "cols": 11, "ratio": 2, "seed": 5, "name": "a"}
+
+
+def test_generate_gives_file_summary_and_proof() -> None:
+    made = design.generate(SPEC, 30.0)
+    pad = files.loads(made.content)
+    assert (pad.seed, pad.name) == (5, "a")
+    assert made.summary["size_mm"] == [110.0, 140.0]
+    assert [layer["rows"] for layer in made.summary["layers"]] == [14, 7]
+    assert made.verification is not None
+    assert made.verification["windows"] == 10 * 7
+    assert made.verification["unique_under_rotation"]
+    json.dumps([made.summary, made.verification])
+    assert design.generate(SPEC, 30.0) == made
+
+
+def test_read_gives_the_file_back_in_its_normal_form() -> None:
+    made = design.generate(SPEC, 30.0)
+    again = design.read(json.dumps(json.loads(made.content)).encode())
+    assert (again.content, again.summary, again.verification) == (made.content, made.summary, None)
+
+
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(SpecError):
+        design.generate(SPEC | {"ratio": 11}, 30.0)
+    with pytest.raises(PadFormatError):
+        design.read(b"{}")

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+
+import httpx
+import pytest
+
+PAGES = ("/design", "/diagnose")
+
+
+class _Audit(HTMLParser):
+    """Collects what a strict policy forbids, and the files that a page asks for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.forbidden: list[str] = []
+        self.files: list[str] = []
+        self._in_script = False
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.forbidden += [name for name in values if name.startswith("on") or name == "style"]
+        self._in_script = tag == "script"
+        if tag == "style":
+            self.forbidden.append(tag)
+        address = values.get("src") or (values.get("href") if tag == "link" else None)
+        if address:
+            self.files.append(address)
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_script = False
+
+    def handle_data(self, data: str) -> None:
+        if self._in_script and data.strip():
+            self.forbidden.append(data)
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_pages_keep_to_the_policy_and_their_files_are_there(
+    studio: httpx.Client, path: str
+) -> None:
+    page = studio.get(path).raise_for_status()
+    assert page.headers["content-type"].startswith("text/html")
+    assert page.headers["cache-control"] == "no-cache"
+    audit = _Audit()
+    audit.feed(page.text)
+    assert audit.forbidden == []
+    assert audit.files
+    for address in audit.files:
+        assert address.startswith("/static/")
+        studio.get(address).raise_for_status()
+
+
+def test_the_policy_allows_no_inline_script_and_no_other_host(studio: httpx.Client) -> None:
+    headers = studio.get("/design").headers
+    policy = headers["content-security-policy"]
+    assert "script-src 'self';" in policy
+    for word in ("unsafe", "http", "*"):
+        assert word not in policy
+    for directive in ("default-src 'none'", "frame-ancestors 'none'", "base-uri 'none'"):
+        assert directive in policy
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["referrer-policy"] == "same-origin"
+
+
+def test_the_root_leads_to_design(studio: httpx.Client) -> None:
+    answer = studio.get("/")
+    assert (answer.status_code, answer.headers["location"]) == (307, "/design")
+
+
+def test_scripts_are_revalidated_and_typed(studio: httpx.Client) -> None:
+    first = studio.get("/static/js/api.js").raise_for_status()
+    assert re.match(r"(text|application)/javascript", first.headers["content-type"])
+    assert first.headers["cache-control"] == "no-cache"
+    again = studio.get("/static/js/api.js", headers={"If-None-Match": first.headers["etag"]})
+    assert again.status_code == 304
+
+
+def test_answers_of_the_interface_are_not_kept(studio: httpx.Client) -> None:
+    assert studio.get("/api/v1/pads").headers["cache-control"] == "no-store"
