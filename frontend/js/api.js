@@ -125,7 +125,7 @@ export const createPad = (spec) => request("POST", "/pads", { json: spec });
 export const importPad = (file) => request("POST", "/pads/import", { form: { file } });
 
 /** @returns {Promise<{items: PadSummary[], total: number}>} */
-export const listPads = () => request("GET", "/pads?limit=100");
+export const listPads = () => request("GET", "/pads?limit=1000");
 
 /** @param {string} id @returns {Promise<PadSummary & {pad: PadFile}>} */
 export const getPad = (id) => request("GET", `/pads/${encodeURIComponent(id)}`);

@@ -28,9 +28,8 @@ import { mountLightbox } from "./components/lightbox.js";
 import { mountPoseReport } from "./components/poseReport.js";
 import { mountStageGrid } from "./components/stageGrid.js";
 import { mountStatus } from "./components/status.js";
-import {
-  cameraGroups, cameraNote, missing, namesInSample, padGroups, padNote, resultNotes,
-} from "./diagnoseLogic.js";
+import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } from "./diagnoseLogic.js";
+import { makeIntake } from "./intake.js";
 import * as queue from "./queueLogic.js";
 import { makeReader } from "./reader.js";
 import { arrangeStages, channelsOf, resultCards, stagesOf } from "./stagesLogic.js";
@@ -58,13 +57,13 @@ const state = {
 
 const padChoice = mountChoice(byId("pad-choice"), {
   onChoose: (pad) => rerun({ pad }),
-  onFile: (file) => void takePad(file),
+  onFile: (file) => void intake.takePad(file),
 });
 const cameraChoice = mountChoice(byId("camera-choice"), {
   onChoose: (camera) => rerun({ camera }),
-  onFile: (file) => void takeCamera(file),
+  onFile: (file) => void intake.takeCamera(file),
 });
-mountDropZone(byId("drop-zone"), { onFiles: (files) => void takeFiles(files) });
+mountDropZone(byId("drop-zone"), { onFiles: (files) => void intake.takeFiles(files) });
 const frameList = mountFrameList(byId("frames"), { onSelect, onRemove });
 const report = mountPoseReport(byId("report"), {
   onEnlarge: () => set({ stage: "result", viewport: null }),
@@ -80,6 +79,13 @@ const lightbox = mountLightbox(byId("lightbox"), {
 });
 const status = mountStatus(byId("status"));
 
+const intake = makeIntake({
+  known: () => state,
+  onPad: (pad, pads) => rerun({ pad, pads }),
+  onCamera: (camera, cameras) => rerun({ camera, ...cameras }),
+  onPictures: addPictures,
+  onStatus: (status) => set({ status }),
+});
 const reader = makeReader({
   next: () => queue.nextWaiting(state.frames, state.selectedId),
   job: () => state,
@@ -155,55 +161,17 @@ function change(id, values) {
 }
 
 /** @param {File[]} files */
-async function takeFiles(files) {
-  for (const file of files) {
-    const head = /\.json$/i.test(file.name) ? await file.slice(0, 400).text() : "";
-    const kind = queue.kindOfFile(file.name, head);
-    if (kind === "pad") await takePad(file);
-    else if (kind === "camera") await takeCamera(file);
-    else addFrame(file);
-  }
-  void reader.work();
-}
-
-/** @param {File} file */
-function addFrame(file) {
-  const frame = queue.newFrame(file);
-  const fault = queue.faultBeforeUpload(file, maxBytes);
-  if (fault) Object.assign(frame, { status: "refused", message: fault });
+function addPictures(files) {
+  const added = files.map((file) => {
+    const fault = queue.faultBeforeUpload(file, maxBytes);
+    return queue.newFrame(file, fault);
+  });
   const current = selected();
   // A picture that is being looked at stays; one that came in vain makes room.
-  const selectedId = current && current.status !== "refused" ? current.id : frame.id;
-  set({ frames: [...state.frames, frame], selectedId, stage: null });
-}
-
-/** @param {File} file */
-const takePad = (file) =>
-  take(file, async () => {
-    const { id, name } = await api.importPad(file);
-    state.pads = (await api.listPads()).items;
-    rerun({ pad: id, status: { kind: "ok", text: `Imported the pad “${name}”.` } });
-  });
-
-/** @param {File} file */
-const takeCamera = (file) =>
-  take(file, async () => {
-    const { id, name } = await api.importCamera(file);
-    Object.assign(state, await api.listCameras());
-    rerun({ camera: id, status: { kind: "ok", text: `Added the camera “${name}”.` } });
-  });
-
-/**
- * @param {File} file
- * @param {() => Promise<void>} act
- */
-async function take(file, act) {
-  set({ status: { kind: "quiet", text: `Sending ${file.name} …` } });
-  try {
-    await act();
-  } catch (error) {
-    set({ status: { kind: "bad", text: `${file.name}: ${api.messageOf(error)}` } });
-  }
+  const kept = current && current.status !== "refused";
+  const selectedId = kept ? current.id : added[0].id;
+  set({ frames: [...state.frames, ...added], selectedId, stage: null });
+  void reader.work();
 }
 
 /** @param {string} id */
@@ -217,28 +185,6 @@ function onRemove(id) {
   const frames = state.frames.filter((frame) => frame.id !== id);
   const selectedId = state.selectedId === id ? (frames[0]?.id ?? null) : state.selectedId;
   set({ frames, selectedId, stage: null });
-}
-
-/** Bring in the sample's pad and camera, once, and read its pictures. */
-async function trySample() {
-  set({ status: { kind: "quiet", text: "Fetching the sample …" } });
-  try {
-    const sample = await api.getSample();
-    const [padFile, cameraFile, ...pictures] = await Promise.all(
-      [sample.pad, sample.camera, ...sample.pictures].map(api.fetchFile),
-    );
-    const names = namesInSample(await padFile.text(), await cameraFile.text());
-    const pad = state.pads.find((each) => each.name === names.pad);
-    const camera = state.stored.find((each) => each.name === names.camera);
-    if (pad) set({ pad: pad.id });
-    else await takePad(padFile);
-    if (camera) set({ camera: camera.id });
-    else await takeCamera(cameraFile);
-    await takeFiles(pictures);
-    set({ status: { kind: "ok", text: `Opened the sample: ${pictures.length} pictures.` } });
-  } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
-  }
 }
 
 async function copyRecord() {
@@ -281,7 +227,8 @@ async function start() {
   render();
   try {
     const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
-    const pad = state.pad || (pads.items[0]?.id ?? "");
+    const isKnown = pads.items.some((each) => each.id === state.pad);
+    const pad = isKnown ? state.pad : (pads.items[0]?.id ?? "");
     set({ pads: pads.items, ...cameras, pad });
   } catch (error) {
     set({ status: { kind: "bad", text: api.messageOf(error) } });
@@ -290,7 +237,7 @@ async function start() {
   void reader.work();
 }
 
-byId("try-sample").addEventListener("click", () => void trySample());
+byId("try-sample").addEventListener("click", () => void intake.takeSample());
 byId("method").addEventListener("change", (/** @type {Event} */ event) => {
   rerun({ method: /** @type {HTMLInputElement} */ (event.target).value });
 });

@@ -26,11 +26,13 @@ let count = 0;
 
 /**
  * @param {File} file
+ * @param {string} [fault]  why it is not even sent
  * @returns {Frame}
  */
-export function newFrame(file) {
+export function newFrame(file, fault = "") {
   count += 1;
-  return { id: `f${count}`, name: file.name, file, status: "waiting", answer: null, message: "" };
+  const status = fault ? "refused" : "waiting";
+  return { id: `f${count}`, name: file.name, file, status, answer: null, message: fault };
 }
 
 /**

@@ -129,7 +129,7 @@ export function keyMove(viewport, key, step) {
  */
 export function viewportToText(viewport) {
   if (!viewport) return null;
-  return [viewport.x.toFixed(2), viewport.y.toFixed(2), viewport.scale.toPrecision(4)]
+  return [viewport.x.toFixed(2), viewport.y.toFixed(2), viewport.scale.toPrecision(6)]
     .map((text) => String(Number(text))).join(",");
 }
 

@@ -1,0 +1,89 @@
+"""A studio with the real detector, a browser, and pages that must not complain."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from browser_support import Complaints
+from playwright.sync_api import Browser, Page, sync_playwright
+from web.web_server import running, settings_for
+
+LIMITS = {
+    "max_upload_bytes": 3_000_000,
+    "max_image_pixels": 2_000_000,
+    "max_cells": 300,
+    "generate_seconds": 20,
+    "detect_seconds": 60,
+}
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_MAC = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+)
+_FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="package")
+def studio_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a server with the real detector."""
+    with running(settings_for(tmp_path_factory.mktemp("studio"), **LIMITS)) as client:
+        yield str(client.base_url).rstrip("/")
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Browser]:
+    """The system's Chromium or Chrome."""
+    candidates = [os.environ.get("PADSTUDIO_CHROMIUM"), *map(shutil.which, _NAMES), *_MAC]
+    found = next((path for path in candidates if path and Path(path).exists()), None)
+    assert found, "no Chromium or Chrome: install one, or name it in PADSTUDIO_CHROMIUM"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=_FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def complaints() -> Complaints:
+    """What the test's pages complained of."""
+    return Complaints()
+
+
+@pytest.fixture
+def open_page(
+    browser: Browser, studio_url: str, complaints: Complaints
+) -> Iterator[Callable[..., Page]]:
+    """Opens a path in a context of its own; fails the test on any complaint of the page."""
+    contexts = []
+
+    def open_path(path: str, *, width: int = 1280, height: int = 900, theme: str = "light") -> Page:
+        context = browser.new_context(
+            base_url=studio_url,
+            viewport={"width": width, "height": height},
+            color_scheme="dark" if theme == "dark" else "light",
+            locale="en-GB",
+            timezone_id="UTC",
+        )
+        contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(30_000)
+        complaints.watch(page, urlsplit(studio_url).netloc)
+        page.goto(path)
+        return page
+
+    yield open_path
+    for context in contexts:
+        context.close()
+    assert complaints.faults == []

@@ -1,0 +1,179 @@
+"""Reachable and legible for everyone: names, headings, contrast, focus, widths, keyboard."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from browser_support import STILL, set_up_reading
+from playwright.sync_api import Page, expect
+
+PAGES = ("/design?rows=20&cols=20", "/diagnose")
+LOOKS = [(width, theme) for width in (1280, 390) for theme in ("light", "dark")]
+
+# Elements that a user operates or reads, without those that are hidden.
+_NAMELESS = """() => [...document.querySelectorAll("button, a[href], input, select, canvas[tabindex]")]
+  .filter(e => e.checkVisibility())
+  .filter(e => {
+    const labels = [...(e.labels ?? [])].map(l => l.textContent).join("");
+    const said = e.getAttribute("aria-label") ?? "";
+    return !(said + labels + (e.matches("button, a") ? e.textContent : "")).trim();
+  }).map(e => e.outerHTML.slice(0, 120))"""
+
+# Pairs of text and its effective background whose contrast is below 4.5 (WCAG 2.2, 1.4.3; text of
+# 24 px, or 18.66 px and bold, 3.0).
+_FAINT = """() => {
+  const context = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+  const rgba = colour => {
+    context.clearRect(0, 0, 1, 1);
+    context.fillStyle = colour;
+    context.fillRect(0, 0, 1, 1);
+    return [...context.getImageData(0, 0, 1, 1).data];
+  };
+  const luminance = rgb => rgb.slice(0, 3).map(v => v / 255)
+    .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const background = element => {
+    for (let e = element; e; e = e.parentElement) {
+      const colour = rgba(getComputedStyle(e).backgroundColor);
+      if (colour[3] === 255) return colour;
+    }
+    return rgba("white");
+  };
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const faint = [];
+  for (let node; (node = walker.nextNode());) {
+    const element = node.parentElement;
+    if (!node.data.trim() || !element.checkVisibility() || element.closest(":disabled")) continue;
+    if (element.closest(".visually-hidden, .skip-link, noscript, option")) continue;
+    const style = getComputedStyle(element);
+    const [a, b] = [luminance(rgba(style.color)), luminance(background(element))];
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    const size = parseFloat(style.fontSize);
+    const isLarge = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
+    if (ratio < (isLarge ? 3 : 4.5)) faint.push(`${ratio.toFixed(2)} ${node.data.trim().slice(0, 40)}`);
+  }
+  return faint;
+}"""
+
+_OVERFLOWING = """() => [...document.querySelectorAll("body *")]
+  .filter(e => e.checkVisibility() && !e.closest(".visually-hidden, .skip-link, dialog"))
+  .filter(e => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+  .map(e => e.outerHTML.slice(0, 120))"""
+
+_FOCUSED = """() => {
+  const e = document.activeElement;
+  const shown = e.closest("label") ?? e;
+  const ring = [e, shown, e.nextElementSibling].filter(Boolean)
+    .some(x => getComputedStyle(x).outlineStyle !== "none");
+  const box = shown.getBoundingClientRect();
+  return { tag: e.tagName, id: e.id || e.dataset.ref || e.textContent.trim().slice(0, 20),
+           ring, left: box.left, top: box.top + scrollY, region: e.closest(".panel, header, footer")?.id };
+}"""
+
+
+@pytest.mark.parametrize(("width", "theme"), LOOKS)
+@pytest.mark.parametrize("path", PAGES)
+def test_names_contrast_and_width(
+    open_page: Callable[..., Page], path: str, width: int, theme: str
+) -> None:
+    page = open_page(path, width=width, theme=theme)
+    if path.startswith("/diagnose"):
+        set_up_reading(page)
+        page.get_by_label("Choose pictures").set_input_files(STILL)
+        expect(page.locator("#verdict")).to_contain_text("Pose found")
+    else:
+        expect(page.locator("#pad-facts")).to_contain_text("20 × 20")
+    assert page.evaluate(_NAMELESS) == []
+    assert page.evaluate(_FAINT) == []
+    assert page.evaluate(_OVERFLOWING) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_structure(open_page: Callable[..., Page], path: str) -> None:
+    page = open_page(path)
+    assert page.locator("html").get_attribute("lang") == "en"
+    assert page.locator("h1").count() == 1
+    assert page.locator("main").count() == 1
+    ids = page.evaluate("() => [...document.querySelectorAll('[id]')].map(e => e.id)")
+    assert len(ids) == len(set(ids))
+    dangling = page.evaluate(
+        """() => [...document.querySelectorAll("[aria-describedby], [aria-labelledby], label[for]")]
+          .flatMap(e => [e.getAttribute("aria-describedby"), e.getAttribute("aria-labelledby"),
+                         e.getAttribute("for")].filter(Boolean).join(" ").split(/\\s+/))
+          .filter(id => !document.getElementById(id))"""
+    )
+    assert dangling == []
+    inline = page.evaluate(
+        "async () => { const text = await (await fetch(location.href)).text();"
+        " return text.match(/ style=| on[a-z]+=|<style|<script(?![^>]*src)/g) ?? []; }"
+    )
+    assert inline == []
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_tab_reaches_everything_in_reading_order_with_a_visible_focus(
+    open_page: Callable[..., Page], path: str
+) -> None:
+    page = open_page(path)
+    expect(page.locator("#viewer canvas, #welcome").first).to_be_visible()
+    seen: list[dict[str, Any]] = []
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        focus = page.evaluate(_FOCUSED)
+        if focus["tag"] == "BODY":
+            break
+        seen.append(focus)
+    else:
+        pytest.fail("the focus never leaves the page")
+    assert [focus["id"] for focus in seen if not focus["ring"]] == []
+    assert seen[0]["id"] == "Skip to the content"
+    regions = [focus["region"] for focus in seen if focus["region"]]
+    # Each region is left once and for all.
+    assert len({*regions}) == sum(a != b for a, b in zip(regions, [None, *regions], strict=False))
+    for before, after in zip(seen, seen[1:], strict=False):
+        if before["region"] and before["region"] == after["region"]:
+            assert (after["top"], after["left"]) >= (before["top"] - 40, 0), (before, after)
+
+
+def test_the_enlarged_view_keeps_the_focus_and_gives_it_back(
+    open_page: Callable[..., Page],
+) -> None:
+    page = open_page("/diagnose")
+    set_up_reading(page)
+    page.get_by_label("Choose pictures").set_input_files(STILL)
+    opener = page.get_by_role("button", name="Enlarge Edges, red")
+    opener.focus()
+    page.keyboard.press("Enter")
+    dialog = page.get_by_role("dialog")
+    expect(dialog.get_by_role("heading")).to_have_text("Edges")
+    for key, title in (("ArrowRight", "Lines"), ("ArrowRight", "Grid"), ("PageUp", "Lines")):
+        page.keyboard.press(key)
+        expect(dialog.get_by_role("heading")).to_have_text(title)
+    for wish in ("Blue", "Both", "Red"):
+        page.keyboard.press("c")
+        expect(dialog.get_by_role("radio", name=wish)).to_be_checked()
+    page.keyboard.press("+")
+    page.keyboard.press("ArrowRight")
+    expect(dialog.get_by_role("heading")).to_have_text("Lines")
+    page.keyboard.press("0")
+    expect(page).not_to_have_url(re.compile("at="))
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+    expect(opener).to_be_focused()
+
+
+def test_the_theme_switch_outlives_a_reload(open_page: Callable[..., Page]) -> None:
+    page = open_page("/design?rows=20&cols=20")
+    ground = "() => getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(ground)
+    page.get_by_role("radio", name="Dark").check(force=True)
+    dark = page.evaluate(ground)
+    assert dark != light
+    page.reload()
+    assert page.evaluate(ground) == dark
+    page.get_by_role("radio", name="Auto").check(force=True)
+    assert page.evaluate(ground) == light
