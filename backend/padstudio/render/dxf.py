@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from padstudio.pad.layout import Layout, layout
+from padstudio.pad.layout import layout
 from padstudio.pad.spec import Pad
 from padstudio.render.contours import iter_contours
 
@@ -47,17 +47,14 @@ def iter_dxf(pad: Pad) -> Iterator[str]:
     colors = np.unique(packed).tolist()
     names = {_name(color): _index(color) for color in colors} | {_SHEET: 7}
     yield _head(names, width, height)
-    yield _polyline(_SHEET, [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+    right, top = _number(width), _number(height)
+    yield _polyline(_SHEET, [("0", "0"), (right, "0"), (right, top), ("0", top)])
+    x = [_number(value) for value in page.x_mm.tolist()]
+    y = [_number(height - value) for value in page.y_mm.tolist()]
     for color in colors:
         for contour in iter_contours(packed == color):
-            yield _polyline(_name(color), _to_mm(page, contour))
+            yield _polyline(_name(color), [(x[col], y[row]) for row, col in contour])
     yield _groups((0, "ENDSEC"), (0, "EOF"))
-
-
-def _to_mm(page: Layout, contour: list[tuple[int, int]]) -> list[tuple[float, float]]:
-    return [
-        (float(page.x_mm[col]), page.page_height_mm - float(page.y_mm[row])) for row, col in contour
-    ]
 
 
 def _head(names: dict[str, int], width: float, height: float) -> str:
@@ -73,19 +70,22 @@ def _head(names: dict[str, int], width: float, height: float) -> str:
     return text + _groups((0, "ENDTAB"), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
 
 
-def _polyline(name: str, points: Sequence[tuple[float, float]]) -> str:
-    text = _groups((0, "POLYLINE"), (8, name), (66, 1), (10, 0.0), (20, 0.0), (30, 0.0), (70, 1))
-    for x, y in points:
-        text += _groups((0, "VERTEX"), (8, name), (10, x), (20, y), (30, 0.0))
-    return text + _groups((0, "SEQEND"), (8, name))
+def _polyline(name: str, points: Sequence[tuple[str, str]]) -> str:
+    head = f"0\nPOLYLINE\n8\n{name}\n66\n1\n10\n0\n20\n0\n30\n0\n70\n1\n"
+    vertex = f"0\nVERTEX\n8\n{name}\n10\n%s\n20\n%s\n30\n0\n"
+    return head + "".join([vertex % point for point in points]) + f"0\nSEQEND\n8\n{name}\n"
 
 
 def _groups(*groups: tuple[int, object]) -> str:
     """Group codes with their values, a line each."""
     return "".join(
-        f"{code}\n{f'{value:.4f}' if isinstance(value, float) else value}\n"
+        f"{code}\n{_number(value) if isinstance(value, float) else value}\n"
         for code, value in groups
     )
+
+
+def _number(value: float) -> str:
+    return f"{value:.4f}"
 
 
 def _name(color: int) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
 from reportlab.pdfbase import pdfdoc
 from reportlab.pdfgen.canvas import Canvas
 
@@ -12,8 +14,13 @@ from padstudio.pad.layout import Layout
 from padstudio.render.inks import Ink, fill_operator
 from padstudio.render.runs import iter_shapes
 
+Array = NDArray[np.float64]
+
 # Viewers and printers fill a path as a whole; long paths exceed what small printers hold.
 _SHAPES_PER_PATH = 250
+_SHAPES_PER_BLOCK = 20_000
+_BOX = "%s %s %s %s re\n"
+_LOZENGE = "%s %s m %s %s l %s %s l %s %s l %s %s l %s %s l h\n"
 
 
 def add_cells(canvas: Canvas, name: str, page: Layout, ink: Ink) -> None:
@@ -41,38 +48,41 @@ def _operators(page: Layout, ink: Ink) -> Iterator[str]:
     """Content stream text, block by block."""
     for shapes in iter_shapes(page):
         yield fill_operator(shapes.color, ink) + "\n"
-        for boxes, write in (
-            (shapes.wide_mm, _wide),
-            (shapes.tall_mm, _tall),
-            (shapes.boxes_mm, _box),
+        for boxes, corners, pattern in (
+            (shapes.wide_mm, _wide, _LOZENGE),
+            (shapes.tall_mm, _tall, _LOZENGE),
+            (shapes.boxes_mm, _box, _BOX),
         ):
-            for start in range(0, len(boxes), _SHAPES_PER_PATH):
-                block = boxes[start : start + _SHAPES_PER_PATH].tolist()
-                yield "".join(write(*box) for box in block) + "f\n"
+            for start in range(0, len(boxes), _SHAPES_PER_BLOCK):
+                words = _words(corners(boxes[start : start + _SHAPES_PER_BLOCK]))
+                for first in range(0, len(words), _SHAPES_PER_PATH):
+                    path = words[first : first + _SHAPES_PER_PATH]
+                    yield (pattern * len(path) + "f\n") % tuple(path.ravel().tolist())
 
 
-def _box(x0: float, y0: float, x1: float, y1: float) -> str:
-    return f"{_number(x0)} {_number(y0)} {_number(x1 - x0)} {_number(y1 - y0)} re\n"
+def _box(boxes: Array) -> Array:
+    """(N, 4): corner and size."""
+    return np.concatenate([boxes[:, :2], boxes[:, 2:] - boxes[:, :2]], axis=1)
 
 
-def _wide(x0: float, y0: float, x1: float, y1: float) -> str:
+def _wide(boxes: Array) -> Array:
+    """(N, 12): the points of lozenges that lie along x."""
+    x0, y0, x1, y1 = boxes.T
     middle, reach = (y0 + y1) / 2, (y1 - y0) / 2
     left, right = x0 + reach, x1 - reach
-    return _polygon(x0, middle, left, y0, right, y0, x1, middle, right, y1, left, y1)
+    return np.stack([x0, middle, left, y0, right, y0, x1, middle, right, y1, left, y1], axis=1)
 
 
-def _tall(x0: float, y0: float, x1: float, y1: float) -> str:
+def _tall(boxes: Array) -> Array:
+    """(N, 12): the points of lozenges that lie along y."""
+    x0, y0, x1, y1 = boxes.T
     middle, reach = (x0 + x1) / 2, (x1 - x0) / 2
     top, bottom = y0 + reach, y1 - reach
-    return _polygon(middle, y0, x1, top, x1, bottom, middle, y1, x0, bottom, x0, top)
+    return np.stack([middle, y0, x1, top, x1, bottom, middle, y1, x0, bottom, x0, top], axis=1)
 
 
-def _polygon(*coordinates: float) -> str:
-    words = [_number(value) for value in coordinates]
-    points = [f"{x} {y}" for x, y in zip(words[::2], words[1::2], strict=True)]
-    return f"{points[0]} m " + " ".join(f"{point} l" for point in points[1:]) + " h\n"
-
-
-def _number(value: float) -> str:
-    """A length in mm to a tenth of a micrometre, as short as it can be."""
-    return f"{value:.4f}".rstrip("0").rstrip(".")
+def _words(lengths_mm: Array) -> NDArray[np.object_]:
+    """Lengths as text to a tenth of a micrometre, as short as it can be; each kind made once."""
+    kinds, kind_of = np.unique(np.round(lengths_mm, 4), return_inverse=True)
+    texts = [f"{value:.4f}".rstrip("0").rstrip(".") for value in kinds.tolist()]
+    return np.array(texts, object)[kind_of].reshape(lengths_mm.shape)
