@@ -62,6 +62,9 @@ class RefineParams:
         How many of them bring the pose near enough for the rest.
     least_cell_px : float
         Layers whose cells are smaller than this in the frame are not measured.
+    align_below_px : float
+        Where the finest readable layer's cells are smaller than this, the pattern is matched as
+        a whole rather than border by border.
     motion : bool
         Let the pose change within a frame where the residuals ask for it (rolling shutter).
     """
@@ -69,12 +72,51 @@ class RefineParams:
     most_borders: int = 3000
     few_borders: int = 300
     least_cell_px: float = 3.2
+    align_below_px: float = 8.0
     motion: bool = True
 
     def __post_init__(self) -> None:
         _within("most_borders", self.most_borders, 50, 1_000_000)
         _within("few_borders", self.few_borders, 50, self.most_borders)
         _within("least_cell_px", self.least_cell_px, 2.0, 100.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperParams:
+    """The paper's method.
+
+    Attributes
+    ----------
+    coarsest_px, finest_px : int
+        The pad's part of the frame is looked at from the scale where its longer side is at most
+        `coarsest_px` to the one where it is at most `finest_px`.
+    blocks : int
+        Blocks of the block mean along the longer side.
+    speck_px : int
+        Erosion and dilation remove what cannot hold a square of this side.
+    log10_false_alarm : float
+        As of `DetectorParams`, over the cells of the lattice; one window alone reaches about −3.
+    most_position_share, most_attitude_deg : float
+        A pose from four corners is refused where one standard deviation of the position is above
+        this share of the height, or that of the attitude above this angle.
+    """
+
+    coarsest_px: int = 700
+    finest_px: int = 1400
+    blocks: int = 4
+    speck_px: int = 3
+    log10_false_alarm: float = -4.0
+    most_position_share: float = 0.02
+    most_attitude_deg: float = 2.0
+
+    def __post_init__(self) -> None:
+        _within("coarsest_px", self.coarsest_px, 64, 65536)
+        _within("finest_px", self.finest_px, self.coarsest_px, 65536)
+        _within("blocks", self.blocks, 1, 1000)
+        _within("speck_px", self.speck_px, 1, 99)
+        _within("log10_false_alarm", self.log10_false_alarm, -300, -1)
+        _within("most_position_share", self.most_position_share, 0.0, 1.0)
+        _within("most_attitude_deg", self.most_attitude_deg, 0.0, 90.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,12 +131,14 @@ class DetectorParams:
     prepare : PrepareParams
     search : SearchParams
     refine : RefineParams
+    paper : PaperParams
     """
 
     log10_false_alarm: float = -7.0
     prepare: PrepareParams = field(default_factory=PrepareParams)
     search: SearchParams = field(default_factory=SearchParams)
     refine: RefineParams = field(default_factory=RefineParams)
+    paper: PaperParams = field(default_factory=PaperParams)
 
     def __post_init__(self) -> None:
         _within("log10_false_alarm", self.log10_false_alarm, -300, -2)
