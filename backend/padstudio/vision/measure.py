@@ -8,13 +8,14 @@ cells, read with the refined pose, agree with the pad.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.align import align
 from padstudio.vision.borders import Borders, Measured, concatenate, layer_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
@@ -142,16 +143,29 @@ class Refiner:
                     for item in rungs[:last]
                 ]
             )
-            fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
+            fit = self._finish(rung, measured)
             if fit is None:
                 continue
-            motion = not fit.pose.still
-            full = fit_pose(fit.pose, measured, self.camera, motion=motion, iterations=2)
-            fit = full or fit
             read = self.read(rung.layer, fit.pose)
             if read is not None and read.evidence.suffices(0.0):
                 return Measurement(fit, rung.layer, measured, self.camera, rung.cell_px, read)
         return None
+
+    def _finish(self, rung: Rung, measured: Measured) -> Fit | None:
+        """The best pose for a rung: by the whole pattern from afar, else by all borders."""
+        finest = min(layer.cell_mm for layer in self.pad.layers)
+        if rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px:
+            still = align(self.pyramid, self.camera, self.pad, rung.pose, motion=False)
+            if still is not None:
+                moving = None
+                if self.params.refine.motion:
+                    moving = align(self.pyramid, self.camera, self.pad, still.pose, motion=True)
+                return replace(better_of(still, moving), inliers=np.ones(len(measured.xy), bool))
+        fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
+        if fit is None:
+            return None
+        motion = not fit.pose.still
+        return fit_pose(fit.pose, measured, self.camera, motion=motion, iterations=2) or fit
 
     def _fit(self, start: MovingPose, measured: Measured, *, iterations: int) -> Fit | None:
         """A still fit, or a moving one where the residuals ask for it."""

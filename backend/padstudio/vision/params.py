@@ -63,8 +63,8 @@ class RefineParams:
     least_cell_px : float
         Layers whose cells are smaller than this in the frame are not measured.
     align_below_px : float
-        Where the finest readable layer's cells are smaller than this, the pattern is matched as
-        a whole rather than border by border.
+        Where the pad's finest cells are smaller than this, the pattern is matched as a whole
+        rather than border by border.
     motion : bool
         Let the pose change within a frame where the residuals ask for it (rolling shutter).
     """
@@ -72,7 +72,7 @@ class RefineParams:
     most_borders: int = 3000
     few_borders: int = 300
     least_cell_px: float = 3.2
-    align_below_px: float = 8.0
+    align_below_px: float = 5.0
     motion: bool = True
 
     def __post_init__(self) -> None:

@@ -70,7 +70,7 @@ def fit_pose(
     rays = np.column_stack([camera.normalize(measured.xy), np.ones(len(measured.xy))])
     moment = start.moment(camera, measured.xy[:, 1])
     size = 12 if motion else 6
-    prior = _prior(start, size)
+    prior = motion_prior(start, size)
     pose, sigma = (start if motion else MovingPose(start.pose)), 1.0
     for _ in range(iterations):
         residual, jacobian = _linearize(pose, measured, rays, moment, size)
@@ -107,7 +107,7 @@ def better_of(still: Fit, moving: Fit | None) -> Fit:
     return moving if gain > _MOTION_GAIN else still
 
 
-def _prior(start: MovingPose, size: int) -> Array:
+def motion_prior(start: MovingPose, size: int) -> Array:
     """Inverse variances of the parameters; none for the pose itself."""
     height = max(abs(float(start.pose.position_mm[2])), 1.0)
     prior = np.zeros(12)

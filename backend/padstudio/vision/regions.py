@@ -90,7 +90,7 @@ def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8]
     high = float(np.percentile(share, _GROUND))
     if high - low < 2 * _LEAST_SEPARATION:
         return None
-    return (share < (low + high) / 2).astype(np.uint8)
+    return np.asarray(share < (low + high) / 2, np.uint8)
 
 
 def _components(dark: NDArray[np.uint8], level: int, pyramid: Pyramid) -> list[Region]:
