@@ -124,3 +124,6 @@ def test_it_answers_rest_calls(address):
     assert httpx.get(f"{address}/api/v1/health").json()["status"] == "ok"
     presets = httpx.get(f"{address}/api/v1/cameras/presets").json()
     assert len(presets["items"]) > 10
+    samples = httpx.get(f"{address}/api/v1/samples")
+    assert "height_1300mm.jpg" in samples.text
+    assert httpx.get(f"{address}/api/v1/samples/pad.json").json()["format"] == "padstudio.pad"
