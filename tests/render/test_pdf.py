@@ -28,7 +28,7 @@ def test_cell_edges_are_where_the_layout_says(dpi: float, most_mm: float, tmp_pa
 @pytest.mark.parametrize("dpi", [31.7, 47.3])
 def test_no_seam_shows_between_cells(levels: int, dpi: float, tmp_path: Path) -> None:
     """Every pixel lies between the extreme colours of the cells that it touches."""
-    pad = make_pad(20, 25, levels=levels)
+    pad = make_pad(20, 25, levels=levels, quiet_mm=5.3)
     (image,) = pages(paint_pdf(pad), tmp_path, dpi)
     fine = raster.paint(pad, dpi / 25.4 * 8)
     # Poppler paints edges to a quarter of a pixel.

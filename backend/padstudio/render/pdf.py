@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import math
 from typing import BinaryIO
 
 from reportlab.pdfgen.canvas import Canvas
@@ -16,9 +15,6 @@ from padstudio.render.inks import Ink
 from padstudio.render.pdf_cells import add_cells
 from padstudio.render.pdf_pen import Pen
 
-# The largest page side that PDF readers accept at one point a unit; larger pages declare a
-# larger unit (PDF 32000-1:2008, table C.1 and 14.11.2).
-_MAX_SIDE_POINTS = 14_400
 _POINTS_PER_MM = 72 / 25.4
 
 
@@ -35,6 +31,9 @@ def write_pdf(pad: Pad, out: BinaryIO, *, ink: Ink = "rgb") -> None:
     The cells are vector rectangles, one a run of equal cells. Viewers are asked not to scale the
     page when printing; title, spec and seed stand in the metadata. Equal pads give equal files.
 
+    A page beyond 5080 mm keeps its true size in points. Adobe's readers refuse such a page; in
+    larger units (UserUnit) it would come out too small, without a word, where these are ignored.
+
     Parameters
     ----------
     pad : Pad
@@ -47,7 +46,7 @@ def write_pdf(pad: Pad, out: BinaryIO, *, ink: Ink = "rgb") -> None:
     add_cells(pen.canvas, "pad", page, ink)
     pen.start_page((1.0, 1.0))
     pen.form("pad")
-    pen.end_page()
+    pen.canvas.showPage()
     pen.canvas.save()
 
 
@@ -62,12 +61,9 @@ def open_document(pad: Pad, out: BinaryIO, width_mm: float, height_mm: float, in
 
 def open_canvas(out: BinaryIO, width_mm: float, height_mm: float, ink: Ink) -> Pen:
     """A document with pages of one size that asks not to be scaled."""
-    side = max(width_mm, height_mm) * _POINTS_PER_MM
-    user_unit = max(1, math.ceil(side / _MAX_SIDE_POINTS))
-    points = _POINTS_PER_MM / user_unit
     canvas = Canvas(
         out,
-        pagesize=(width_mm * points, height_mm * points),
+        pagesize=(width_mm * _POINTS_PER_MM, height_mm * _POINTS_PER_MM),
         pageCompression=1,
         invariant=1,
         pdfVersion=(1, 7),
@@ -75,4 +71,4 @@ def open_canvas(out: BinaryIO, width_mm: float, height_mm: float, ink: Ink) -> P
     canvas.setViewerPreference("PrintScaling", "None")
     canvas.setAuthor("Pad Studio")
     canvas.setCreator("Pad Studio")
-    return Pen(canvas, points, height_mm, ink, user_unit=user_unit)
+    return Pen(canvas, _POINTS_PER_MM, height_mm, ink)

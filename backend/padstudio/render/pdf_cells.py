@@ -26,8 +26,8 @@ _LOZENGE = "%s %s m %s %s l %s %s l %s %s l %s %s l %s %s l h\n"
 def add_cells(canvas: Canvas, name: str, page: Layout, ink: Ink) -> None:
     """Register a layout's cells as a form of the canvas's document.
 
-    The form's unit is 1 mm, y down, its origin the layout's. Only
-    compressed data are kept in memory.
+    The form's unit is 1 mm, y down, its origin the layout's. Only compressed data are kept in
+    memory.
     """
     packer = zlib.compressobj(6)
     pieces = [packer.compress(text.encode()) for text in _operators(page, ink)]

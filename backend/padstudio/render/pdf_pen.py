@@ -29,18 +29,13 @@ class Pen:
     height_mm : float
         The page's height.
     ink : {"rgb", "cmyk"}
-    user_unit : int
-        Points in a unit of the canvas, for pages beyond what PDF readers accept in points.
     """
 
-    def __init__(
-        self, canvas: Canvas, points: float, height_mm: float, ink: Ink, *, user_unit: int = 1
-    ) -> None:
+    def __init__(self, canvas: Canvas, points: float, height_mm: float, ink: Ink) -> None:
         self.canvas = canvas
         self._points = points
         self._height_mm = height_mm
         self._ink = ink
-        self._user_unit = user_unit
 
     def start_page(self, measured: tuple[float, float]) -> None:
         """Set the units of a new page, and its size against what the printer makes of it."""
@@ -50,16 +45,6 @@ class Pen:
         # left, where every sheet's pad begins.
         scale = self._points
         self.canvas._code.append(f"{scale * sx:.12f} 0 0 {-scale * sy:.12f} 0 {top:.9f} cm")
-
-    def end_page(self) -> None:
-        """Finish the page."""
-        document = self.canvas._doc
-        name = document.thisPageName()
-        self.canvas.showPage()
-        if self._user_unit != 1:
-            page = document.idToObject[name]
-            page.UserUnit = self._user_unit
-            page.__NoDefault__ = [*page.__NoDefault__, "UserUnit"]
 
     @contextmanager
     def moved(self, x: float, y: float, *, upward: bool = False) -> Iterator[None]:

@@ -41,7 +41,7 @@ def write_sheets(pad: Pad, out: BinaryIO, options: PrintOptions | None = None) -
     if options.assembly_map and len(plan.sheets) > 1:
         pen.start_page(options.measured)
         draw_map(pen, pad, plan)
-        pen.end_page()
+        pen.canvas.showPage()
     for sheet in plan.sheets:
         box = sheet.painted
         add_cells(pen.canvas, sheet.name, crop(page, box.x0, box.y0, box.x1, box.y1), options.ink)
@@ -52,6 +52,6 @@ def write_sheets(pad: Pad, out: BinaryIO, options: PrintOptions | None = None) -
                 draw_page(pen, pad, options, page.page_width_mm, page.page_height_mm)
         if options.sheets.furniture:
             draw_furniture(pen, pad, plan, sheet, qr=options.qr)
-        pen.end_page()
+        pen.canvas.showPage()
     pen.canvas.save()
     return plan

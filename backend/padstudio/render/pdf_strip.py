@@ -55,7 +55,7 @@ def write_strip(out: BinaryIO, options: PrintOptions | None = None) -> None:
     draw_rulers(pen, paper, margin)
     with pen.moved(left, top):
         draw_strip(pen)
-    pen.end_page()
+    pen.canvas.showPage()
     pen.canvas.save()
 
 

@@ -5,6 +5,9 @@ colours are ranked and painted in that order, and a thin lozenge lies along ever
 cells above the base, in the lower of their two ranks: the lower cell (or both, of one rank) then
 reaches under the seam, and the edge is drawn by the higher cell alone. A lozenge comes to a point
 at its ends, so that it stays hidden wherever three or four colours meet.
+
+The darkest colour is painted once, under everything, but stays clear of the layout's sides: there
+each cell ends in its own colour.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from numpy.typing import NDArray
 from padstudio.pad.layout import Layout
 
 Array = NDArray[np.float64]
-Ranks = NDArray[np.uint16]
+Ranks = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +47,7 @@ class Shapes:
 def iter_shapes(layout: Layout, *, seams: bool = True) -> Iterator[Shapes]:
     """What to paint, colour by colour, lowest first.
 
-    The first is the base: one rectangle in the darkest colour under everything.
+    The first begins with the base, the rectangle under everything.
 
     Parameters
     ----------
@@ -52,23 +55,27 @@ def iter_shapes(layout: Layout, *, seams: bool = True) -> Iterator[Shapes]:
     seams : bool
         Whether to hide seams; painters without anti-aliasing need not.
     """
+    if not layout.colors.size:
+        return
     palette, order = _ranks(layout.colors)
     x, y = layout.x_mm, layout.y_mm
     reach = min(np.diff(x).min(), np.diff(y).min()) / 4
-    row, first, last, rank = _runs(order)
+    row, first, last, rank = _runs(order, outer_rows=True)
     boxes = _Sorted(rank, np.stack([x[first], y[row], x[last], y[row + 1]], axis=1))
-    wide = tall = _Sorted(np.zeros(0, np.uint16), np.zeros((0, 4)))
+    wide = tall = _Sorted(np.zeros(0, np.int32), np.zeros((0, 4)))
     if seams:
         row, first, last, rank = _runs(np.minimum(order[:-1], order[1:]))
         at = y[row + 1]
         wide = _Sorted(rank, np.stack([x[first], at - reach, x[last], at + reach], axis=1))
+        lower = np.minimum(order[:, :-1], order[:, 1:])
         # Equal neighbours in a row are one rectangle: no seam.
-        lower = np.minimum(order[:, :-1], order[:, 1:]) * (order[:, :-1] != order[:, 1:])
-        col, first, last, rank = _runs(lower.T)
+        lower[order[:, :-1] == order[:, 1:]] = -1
+        col, first, last, rank = _runs(np.ascontiguousarray(lower.T))
         at = x[col + 1]
         tall = _Sorted(rank, np.stack([at - reach, y[first], at + reach, y[last]], axis=1))
+    base_box = np.array([[x[0] + reach, y[0] + reach, x[-1] - reach, y[-1] - reach]])
     for number, (red, green, blue) in enumerate(palette.tolist()):
-        base = [np.array([[x[0], y[0], x[-1], y[-1]]])] if number == 0 else []
+        base = [base_box] if number == 0 else []
         yield Shapes(
             color=(red, green, blue),
             boxes_mm=np.concatenate([*base, boxes[number]]),
@@ -94,20 +101,25 @@ def _ranks(colors: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Ranks]:
     packed = colors.astype(np.int64) @ np.array([1 << 8, 1 << 16, 1])
     values, order = np.unique(packed, return_inverse=True)
     palette = (values[:, None] >> np.array([8, 16, 0])) & 255
-    return palette, order.reshape(packed.shape).astype(np.uint16)
+    return palette, order.reshape(packed.shape).astype(np.int32)
 
 
 def _runs(
-    order: Ranks,
+    order: Ranks, *, outer_rows: bool = False
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp], Ranks]:
-    """Runs of equal rank above 0 along each row: row, first column, column after, rank."""
-    if not order.size:
-        nothing = np.zeros(0, np.intp)
-        return nothing, nothing, nothing, np.zeros(0, np.uint16)
-    change = np.ones((order.shape[0], order.shape[1] + 1), bool)
+    """Runs of equal rank along each row: row, first column, column after, rank.
+
+    Those of rank 0 only where they reach an end of their row, or in an outer row where asked for:
+    the base is under all others. Those below 0 not at all.
+    """
+    rows, cols = order.shape
+    change = np.ones((rows, cols + 1), bool)
     change[:, 1:-1] = order[:, 1:] != order[:, :-1]
     row, first = np.nonzero(change[:, :-1])
     last = np.nonzero(change[:, 1:])[1] + 1
     rank = order[row, first]
-    keep = rank > 0
+    outer = (first == 0) | (last == cols)
+    if outer_rows:
+        outer |= (row == 0) | (row == rows - 1)
+    keep = (rank > 0) | (outer & (rank == 0))
     return row[keep], first[keep], last[keep], rank[keep]
