@@ -11,7 +11,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from padstudio.errors import ConflictError, NotFoundError, StorageError
 from padstudio.flights.store import Store, new_id
-from padstudio.flights.store_database import open_database
+from padstudio.flights.store_database import NEWEST_REVISION, open_database
 from padstudio.flights.store_tables import Base
 
 SUMMARY = {"name": "a", "seed": 10**30}
@@ -120,7 +120,9 @@ def test_pictures_are_found_by_name_only(store: Store) -> None:
 def test_migrations_build_what_the_program_expects(tmp_path: Path) -> None:
     engine = open_database(f"sqlite:///{tmp_path / 'a.db'}")
     with engine.connect() as connection:
-        assert compare_metadata(MigrationContext.configure(connection), Base.metadata) == []
+        context = MigrationContext.configure(connection)
+        assert compare_metadata(context, Base.metadata) == []
+        assert context.get_current_revision() == NEWEST_REVISION
         assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
     engine.dispose()
 

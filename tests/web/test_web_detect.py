@@ -11,7 +11,7 @@ import fake_analysis
 import httpx
 import numpy as np
 import pytest
-from web_server import PRESET, PRESET_SIZE, SMALL_SPEC, running, settings_for
+from web_server import PRESET, PRESET_SIZE, running, settings_for, store_pad
 
 DETECT = "/api/v1/detect"
 Refused = Callable[..., dict[str, Any]]
@@ -157,7 +157,7 @@ def test_the_server_outlives_its_workers_and_keeps_nothing(
 ) -> None:
     settings = settings_for(tmp_path, detect_seconds=1.5 if name == "slow.png" else 20)
     with running(settings, analyze=fake_analysis.analyze) as client:
-        pad = client.post("/api/v1/pads", json=SMALL_SPEC).json()["id"]
+        pad = store_pad(client)["id"]
         answer = _send(client, pad, picture, name=name, trace="true")
         refused(answer, status, code)
         assert "default-src 'none'" in answer.headers["content-security-policy"]
@@ -171,7 +171,7 @@ def test_traces_survive_a_restart_and_only_the_newest_stay(
 ) -> None:
     settings = settings_for(tmp_path, keep_traces=2)
     with running(settings, analyze=fake_analysis.analyze) as client:
-        pad = client.post("/api/v1/pads", json=SMALL_SPEC).json()["id"]
+        pad = store_pad(client)["id"]
         bodies = [_send(client, pad, picture, trace="true").json() for _ in range(3)]
     with running(settings, analyze=fake_analysis.analyze) as client:
         refused(client.get(f"{DETECT}/{bodies[0]['trace']['id']}"), 404, "not_found")

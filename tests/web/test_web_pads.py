@@ -13,7 +13,7 @@ import cv2
 import httpx
 import numpy as np
 import pytest
-from web_server import SMALL_SPEC, running, settings_for
+from web_server import SMALL_SPEC, running, settings_for, store_pad
 
 from padstudio.pad import files as pad_files
 
@@ -162,9 +162,9 @@ def test_png_is_true_to_scale(studio: httpx.Client, pad_id: str) -> None:
 
 def test_a_png_beyond_the_limit_is_refused(tmp_path: Path, refused: Refused) -> None:
     with running(settings_for(tmp_path / "data", max_paint_pixels=10_000)) as client:
-        made = client.post(PADS, json=SMALL_SPEC).json()["id"]
+        made = store_pad(client)["id"]
         error = refused(
-            client.get(f"{PADS}/{made}/files/pad.png", params={"dpi": 100}), 413, "too_many_pixels"
+            client.get(f"{PADS}/{made}/files/pad.png", params={"dpi": 400}), 413, "too_many_pixels"
         )
         assert "dpi" in error["message"]
         assert not list((tmp_path / "data" / "work").iterdir())
@@ -203,7 +203,7 @@ def test_the_server_answers_while_a_pad_is_generated(tmp_path: Path, refused: Re
 
 def test_pads_survive_a_restart(tmp_path: Path) -> None:
     with running(settings_for(tmp_path)) as client:
-        made = client.post(PADS, json=SMALL_SPEC).json()
+        made = store_pad(client)
         full = client.get(f"{PADS}/{made['id']}").json()
     with running(settings_for(tmp_path)) as client:
         assert client.get(PADS).json() == {"items": [made], "total": 1}

@@ -17,6 +17,11 @@ from padstudio.web.app import create_app
 from padstudio.web.settings import Settings
 
 SMALL_SPEC = {"name": "small", "rows": 12, "cols": 10, "ratio": 2, "seed": 7}
+#: Read in milliseconds, while generating one costs a new worker its compiled loops.
+PAD_FILE = (
+    '{"format": "padstudio.pad", "version": 1, "name": "tiny", "window": 2, "levels": 2, '
+    '"layers": [{"channel": "red", "cell_mm": 10.0, "codes": ["001", "011", "110"]}]}'
+)
 PRESET = "preset-webcam-c270"
 PRESET_SIZE = (1280, 720)
 
@@ -55,3 +60,9 @@ def settings_for(data: Path, **values: Any) -> Settings:
         "detect_seconds": 20,
     }
     return Settings(data=data, **(small | values))
+
+
+def store_pad(client: httpx.Client) -> dict[str, Any]:
+    """Store a tiny pad; its summary."""
+    answer = client.post("/api/v1/pads/import", files={"file": ("pad.json", PAD_FILE)})
+    return dict(answer.raise_for_status().json())

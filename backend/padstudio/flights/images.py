@@ -110,14 +110,13 @@ def read_header(data: bytes, max_pixels: int = MAX_PIXELS) -> ImageHeader:
         raise ImageError("the file is empty; choose a picture", code="empty_file")
     try:
         with warnings.catch_warnings():
-            # A picture that Pillow thinks a bomb is above any limit of ours.
-            warnings.simplefilter("error", PillowImage.DecompressionBombWarning)
-            warnings.filterwarnings("ignore", category=UserWarning)
+            # Nothing is decoded here, and the size is checked below.
+            warnings.simplefilter("ignore")
             with PillowImage.open(io.BytesIO(data), formats=_FORMATS) as image:
                 width, height = image.size
                 # A JPEG with a preview inside counts as JPEG.
                 name = "JPEG" if image.format == "MPO" else str(image.format)
-    except (PillowImage.DecompressionBombWarning, PillowImage.DecompressionBombError) as error:
+    except PillowImage.DecompressionBombError as error:
         raise LimitError(
             f"the picture has more than {max_pixels / 1e6:g} megapixels, the limit; scale it "
             "down, or cut it",

@@ -6,11 +6,13 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event
+from sqlalchemy import Engine, create_engine, event, inspect, text
 from sqlalchemy.exc import SQLAlchemyError
 
 from padstudio.errors import StorageError
 
+#: The last of the revisions in `padstudio.flights.migrations`.
+NEWEST_REVISION = "0001"
 # Alembic keeps its context in a module of its own: one migration at a time in a process.
 _migrating = threading.Lock()
 _MIGRATIONS = Path(__file__).parent / "migrations"
@@ -54,7 +56,9 @@ def _prepare_sqlite(connection: Any, _record: object) -> None:
 
 
 def _migrate(engine: Engine) -> None:
-    # Alembic takes most of a second to import; it is needed here alone.
+    if _revision(engine) == NEWEST_REVISION:
+        return
+    # Alembic takes most of a second to import; most starts do without.
     from alembic import command
     from alembic.config import Config
     from alembic.util import CommandError
@@ -70,3 +74,12 @@ def _migrate(engine: Engine) -> None:
                 "the database was written by a later version of Pad Studio; update the program, "
                 f"or choose another data folder ({error})"
             ) from error
+
+
+def _revision(engine: Engine) -> str | None:
+    """The revision that a database is at; None for a new one."""
+    if not inspect(engine).has_table("alembic_version"):
+        return None
+    with engine.connect() as connection:
+        found: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
+        return found

@@ -83,14 +83,17 @@ def _run(settings: Settings, listener: socket.socket, announce: Callable[[str], 
 
     address = _address(settings, listener.getsockname()[1])
 
+    app = create_app(settings)
+
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket.socket] | None = None) -> None:
             await super().startup(sockets)
             if self.started and not self.should_exit:
                 announce(address)
+                app.state.services.warm_up()
 
     config = uvicorn.Config(
-        create_app(settings),
+        app,
         log_level="warning",
         # An access log would hold the token of the first address.
         access_log=False,

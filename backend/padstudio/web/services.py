@@ -11,7 +11,7 @@ from urllib.parse import quote
 from fastapi import Depends, Path, Request
 
 from padstudio.errors import LimitError
-from padstudio.flights import analysis
+from padstudio.flights import analysis, design
 from padstudio.flights.store import Store
 from padstudio.flights.workers import WorkerPool
 from padstudio.web.schemas import ErrorBody
@@ -19,6 +19,8 @@ from padstudio.web.settings import Settings
 
 ResultT = TypeVar("ResultT")
 Analyze = Callable[[analysis.Job], dict[str, Any]]
+
+_SMALL_PAD = {"rows": 10, "cols": 10, "ratio": 1}
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,10 @@ class Services:
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
         """Call a function in a worker process; raises as `WorkerPool.submit` and its future."""
         return await asyncio.wrap_future(self.pool.submit(function, *args, timeout_s=timeout_s))
+
+    def warm_up(self) -> None:
+        """Start a worker on a small pad, so that the first user does not wait for its imports."""
+        self.pool.submit(design.generate, _SMALL_PAD, 30.0, timeout_s=60.0)
 
 
 def services(request: Request) -> Services:
