@@ -10,6 +10,11 @@ BASE_PYTHON ?= $(shell for p in python3 python3.14 python3.13 python3.12 python3
 
 ARGS ?=
 
+# Debian and Ubuntu part the venv module from Python.
+SUDO := $(shell [ "$$(id -u)" -eq 0 ] || echo sudo)
+INSTALL_VENV = command -v apt-get >/dev/null && $(SUDO) apt-get update -qq \
+	&& $(SUDO) apt-get install -y -qq $(notdir $(BASE_PYTHON))-venv && $(BASE_PYTHON) -m venv $(VENV)
+
 .DEFAULT_GOAL := help
 .PHONY: help install run test check bench clean
 
@@ -25,8 +30,8 @@ install: $(STAMPS)/package
 
 $(PYTHON):
 	@test -n '$(BASE_PYTHON)' || { echo 'error: Python 3.11 or newer is needed' >&2; exit 1; }
-	@$(BASE_PYTHON) -m venv $(VENV) || { rm -rf $(VENV); \
-		echo 'error: no venv module; on Debian and Ubuntu: apt-get install python3-venv' >&2; exit 1; }
+	@$(BASE_PYTHON) -m venv $(VENV) || { rm -rf $(VENV); $(INSTALL_VENV); } || { rm -rf $(VENV); \
+		echo 'error: $(BASE_PYTHON) cannot make virtual environments' >&2; exit 1; }
 
 # uv installs the locked set in seconds where pip takes a minute.
 $(STAMPS)/uv: | $(PYTHON)
