@@ -68,7 +68,7 @@ def test_corners_lie_where_the_geometry_says(distortion, heading, tilt):
     assert np.abs(errors.mean(axis=0)).max() < 0.002
 
 
-@pytest.mark.parametrize("height", [500.0, 2000.0, 6000.0])
+@pytest.mark.parametrize("height", [500.0, 2000.0, 4000.0])
 def test_area_sampling_agrees_with_a_16_times_finer_picture(height):
     small = camera(WIDE_LENS, 80, 60, 120.0)
     pose = look_at_pad(height, tilt_deg=25.0, heading_deg=13.0)
