@@ -106,8 +106,8 @@ class PaperParams:
     blocks: int = 4
     speck_px: int = 3
     log10_false_alarm: float = -4.0
-    most_position_share: float = 0.02
-    most_attitude_deg: float = 2.0
+    most_position_share: float = 0.03
+    most_attitude_deg: float = 3.0
 
     def __post_init__(self) -> None:
         _within("coarsest_px", self.coarsest_px, 64, 65536)

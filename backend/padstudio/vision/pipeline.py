@@ -12,6 +12,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
 from padstudio.vision.dense import Dense
+from padstudio.vision.paper import Paper
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.types import Detection, Image, Method
@@ -42,6 +43,7 @@ class Detector:
         self.method = method
         self.params = params or DetectorParams()
         self._dense = Dense(pad, camera, self.params)
+        self._paper = Paper(pad, camera, self.params) if method == "paper" else None
 
     def detect(self, bgr: Image, *, trace: bool = False) -> Detection:
         """Find the pad in one still.
@@ -66,18 +68,19 @@ class Detector:
         """
         _check(bgr)
         recorder = Recorder(keep=trace)
-        return _finish(self._dense.detect(bgr, recorder), bgr, recorder)
+        stills = self._paper or self._dense
+        return _finish(stills.detect(bgr, recorder), bgr, recorder)
 
     def track(self, frames: Iterable[Image], *, trace: bool = False) -> Iterator[Detection]:
         """Find the pad in a video's frames; the last pose helps the next.
 
         The cells are compared with the pad in every frame, so a lock that slips is noticed, and
-        the frame is then looked at as a still.
+        the frame is then looked at as a still. The paper's method looks at every frame so.
         """
         past: list[Pose] = []
         for bgr in frames:
             detection = None
-            if past:
+            if past and self._paper is None:
                 _check(bgr)
                 recorder = Recorder(keep=trace)
                 followed = self._dense.follow(bgr, _expected(past), recorder)

@@ -1,0 +1,224 @@
+"""The paper's method, for comparison with the dense one frame by frame.
+
+outline where the whole sign is in view; else for each channel: block mean → clean → Canny and
+dilation → Hough lines → central window → its code; the larger window's four corners give the pose.
+
+Every choice that the paper leaves open is named where it is made. Beyond its letter go only checks
+that refuse a pose: see `padstudio.vision.paper_decode` for what a pose has to show, and
+`padstudio.vision.paper_pose` for how sure four corners must be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Channel, Pad
+from padstudio.vision.block_mean import block_mean, clean
+from padstudio.vision.corner_pose import uncertainty, unsure
+from padstudio.vision.outline import OutlinePose, find_outline, outline_pose
+from padstudio.vision.paper_decode import WindowDecoder, WindowRead
+from padstudio.vision.paper_edges import find_edge_map
+from padstudio.vision.paper_families import LineGrid, find_line_grid
+from padstudio.vision.paper_grid import central_window
+from padstudio.vision.paper_lines import find_merged_lines
+from padstudio.vision.paper_pose import WindowPose, choose_larger, window_pose
+from padstudio.vision.params import DetectorParams
+from padstudio.vision.planes import Plane, Pyramid
+from padstudio.vision.prepare import (
+    Stretch,
+    denoised,
+    find_denoise,
+    find_stretch,
+    take_channel,
+)
+from padstudio.vision.recorder import Recorder
+from padstudio.vision.regions import Region, find_regions
+from padstudio.vision.types import Detection, Image, StageFailure
+
+_ORDER = ("outline", "edges", "lines", "grid", "decode", "pose")
+
+
+@dataclass(frozen=True)
+class _Frame:
+    pyramid: Pyramid
+    camera: Camera
+    stretch: Stretch
+    region: Region
+    recorder: Recorder
+
+
+class Paper:
+    """The paper's method for one pad and one camera.
+
+    Parameters
+    ----------
+    pad : Pad
+    camera : Camera
+    params : DetectorParams
+    """
+
+    def __init__(self, pad: Pad, camera: Camera, params: DetectorParams) -> None:
+        self.pad = pad
+        self.camera = camera
+        self.params = params
+        self.decoders: dict[Channel, WindowDecoder] = {
+            layer.channel: WindowDecoder(pad, layer) for layer in pad.layers
+        }
+
+    def detect(self, bgr: Image, recorder: Recorder) -> Detection:
+        """Find the pad in one frame, without any hint."""
+        camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
+        denoise = recorder.run(
+            "denoise", None, find_denoise, bgr, self.params.prepare.impulse_share
+        )
+        pyramid = Pyramid(denoised(bgr, denoise))
+        stretch = recorder.run("stretch", None, find_stretch, pyramid)
+        regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
+        frame = _Frame(pyramid, camera, stretch, regions[0], recorder)
+        outline = self._outline(frame)
+        if isinstance(outline, OutlinePose):
+            # A whole sign is larger than any window of it, and the larger area wins.
+            if recorder.keep:
+                self._read_channels(frame, next(self._levels(frame)), 1)
+            recorder.note("pose", None, outline)
+            return _from_outline(outline)
+        return self._from_windows(frame, outline)
+
+    def _outline(self, frame: _Frame) -> OutlinePose | StageFailure:
+        found = frame.recorder.run(
+            "outline", None, find_outline, frame.pyramid, frame.camera, self.pad, frame.region
+        )
+        if isinstance(found, StageFailure):
+            return found
+        posed = frame.recorder.run(
+            "outline",
+            None,
+            outline_pose,
+            found,
+            frame.pyramid,
+            frame.camera,
+            self.pad,
+            self.params.log10_false_alarm,
+        )
+        if isinstance(posed, StageFailure):
+            return posed
+        side_px = math.sqrt(cv2.contourArea(found.corners_xy.astype(np.float32)))
+        limits = self.params.paper
+        doubt = unsure(
+            posed.pose,
+            posed.covariance,
+            side_px,
+            limits.most_position_share,
+            limits.most_attitude_deg,
+        )
+        return doubt or posed
+
+    def _from_windows(self, frame: _Frame, nearest: StageFailure) -> Detection:
+        attempts = 0
+        for level in self._levels(frame):
+            attempts += len(self.decoders)
+            reads, failures = self._read_channels(frame, level, attempts)
+            for failure in failures:
+                nearest = _later(nearest, failure)
+            if not reads:
+                continue
+            choice = frame.recorder.run("choose", None, choose_larger, reads)
+            found = frame.recorder.run(
+                "pose",
+                None,
+                window_pose,
+                self.pad,
+                frame.camera,
+                choice.read,
+                self.params.paper,
+            )
+            if isinstance(found, WindowPose):
+                return _from_window(found)
+            nearest = _later(nearest, found)
+        return Detection(None, nearest)
+
+    def _levels(self, frame: _Frame) -> Iterator[int]:
+        """Scales of the frame, the coarser ones first: there lines are quick to find."""
+        side, params = frame.region.box.side, self.params.paper
+        first = max(0, math.ceil(math.log2(max(side / params.coarsest_px, 1.0))))
+        last = max(0, math.ceil(math.log2(max(side / params.finest_px, 1.0))))
+        yield from range(first, last - 1, -1)
+
+    def _read_channels(
+        self, frame: _Frame, level: int, attempts: int
+    ) -> tuple[list[WindowRead], list[StageFailure]]:
+        found = [self._read_channel(frame, channel, level, attempts) for channel in self.decoders]
+        reads = [item for item in found if isinstance(item, WindowRead)]
+        return reads, [item for item in found if isinstance(item, StageFailure)]
+
+    def _read_channel(
+        self, frame: _Frame, channel: Channel, level: int, attempts: int
+    ) -> WindowRead | StageFailure:
+        run, params = frame.recorder.run, self.params.paper
+        plane = run(
+            "channel",
+            channel,
+            take_channel,
+            frame.pyramid,
+            frame.stretch,
+            channel,
+            level,
+            frame.region.box,
+        )
+        grid = self._find_lines(frame, plane)
+        if isinstance(grid, StageFailure):
+            return grid
+        window = run("grid", channel, central_window, grid, self.pad.window)
+        if isinstance(window, StageFailure):
+            return window
+        decoder = self.decoders[channel]
+        return run("decode", channel, decoder.decode, frame.pyramid, window, attempts, params)
+
+    def _find_lines(self, frame: _Frame, plane: Plane) -> LineGrid | StageFailure:
+        run, params, channel = frame.recorder.run, self.params.paper, plane.channel
+        binary = run("block_mean", channel, block_mean, plane, params.blocks)
+        cleaned = run("clean", channel, clean, binary, params.speck_px)
+        edges = run("edges", channel, find_edge_map, cleaned, frame.region, self.pad.levels)
+        if isinstance(edges, StageFailure):
+            return edges
+        lines = run("lines", channel, find_merged_lines, edges)
+        if isinstance(lines, StageFailure):
+            return lines
+        return run("lines", channel, find_line_grid, lines)
+
+
+def _later(a: StageFailure, b: StageFailure) -> StageFailure:
+    """The failure at the later stage: it came nearer to an answer."""
+    return b if _ORDER.index(b.stage) >= _ORDER.index(a.stage) else a
+
+
+def _from_window(found: WindowPose) -> Detection:
+    evidence = found.read.evidence
+    return Detection(
+        pose=found.pose,
+        layer=found.read.layer.channel,
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=found.rms_px,
+        uncertainty=uncertainty(found.covariance),
+    )
+
+
+def _from_outline(found: OutlinePose) -> Detection:
+    evidence = found.read.evidence
+    return Detection(
+        pose=found.pose,
+        layer="outline",
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=found.rms_px,
+        uncertainty=uncertainty(found.covariance),
+    )

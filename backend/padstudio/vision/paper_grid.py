@@ -1,0 +1,115 @@
+"""Stage `grid`, paper: the central window of the lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from padstudio.vision.paper_families import Family, LineGrid
+from padstudio.vision.planes import Plane
+from padstudio.vision.types import Array, Reason, StageFailure
+
+
+@dataclass(frozen=True, eq=False)
+class CentralWindow:
+    """The b × b cells round the middle of the lines.
+
+    Attributes
+    ----------
+    grid : LineGrid
+    column, row : int
+        Lattice coordinates of its top-left corner.
+    size : int
+        b.
+    centre_xy : (2,) float64
+        The centre point of the crossings of the middle lines, frame pixels.
+    corners_xy : (4, 2) float64
+        Crossings of the four lines round it, frame pixels; top left first, clockwise.
+    area_px : float
+        Area of the window, frame pixels.
+    """
+
+    grid: LineGrid
+    column: int
+    row: int
+    size: int
+    centre_xy: Array
+    corners_xy: Array
+    area_px: float
+
+    @property
+    def plane(self) -> Plane:
+        """What the lines were found in."""
+        return self.grid.found.edges.plane
+
+    @property
+    def cell_px(self) -> float:
+        """Mean side of a cell of the window, frame pixels."""
+        return float(np.sqrt(self.area_px)) / self.size
+
+    def to_pixels(self, coordinates: Array) -> Array:
+        """Frame pixels (N, 2) of lattice coordinates (N, 2); NaN beyond the horizon."""
+        plane_from_lattice = np.linalg.inv(self.grid.lattice_from_plane)
+        h = np.column_stack([coordinates, np.ones(len(coordinates))]) @ plane_from_lattice.T
+        middle = np.array([self.column + self.size / 2, self.row + self.size / 2, 1.0])
+        ahead = h[:, 2] * (plane_from_lattice[2] @ middle) > 0
+        local = np.full((len(h), 2), np.nan)
+        local[ahead] = h[ahead, :2] / h[ahead, 2:]
+        return self.plane.to_frame(local)
+
+
+def central_window(grid: LineGrid, size: int) -> CentralWindow | StageFailure:
+    """Choose the middle lines, their centre point, and the four lines round the central window.
+
+    Of an even number of lines the middle two count, of an odd number the middle one; the centre
+    point is the mean of the crossings of both families' middle lines. Where the window cannot be
+    symmetric about it (an odd number of lines and an odd b), the window lies half a cell to its
+    left or above.
+
+    Parameters
+    ----------
+    grid : LineGrid
+    size : int
+        b, the side of a window in cells.
+    """
+    families = (grid.columns, grid.rows)
+    counts = [len(family.lines) for family in families]
+    if min(counts) < size + 1:
+        return StageFailure(
+            "grid",
+            Reason.CELLS_TOO_LARGE,
+            f"{counts[0]} x {counts[1]} lines in {grid.found.edges.plane.channel} hold no window "
+            f"of {size} x {size} cells, which has {size + 1} x {size + 1}",
+            "fly higher, or print smaller cells",
+        )
+    starts = [(count - size - 1) // 2 for count in counts]
+    plane = grid.found.edges.plane
+    centre = np.mean([_cross(u, v) for u in _middle(families[0]) for v in _middle(families[1])], 0)
+    left, right = (families[0].lines[starts[0] + k] for k in (0, size))
+    top, bottom = (families[1].lines[starts[1] + k] for k in (0, size))
+    corners = plane.to_frame(
+        np.array(
+            [_cross(left, top), _cross(right, top), _cross(right, bottom), _cross(left, bottom)]
+        )
+    )
+    return CentralWindow(
+        grid=grid,
+        column=grid.columns.first + starts[0],
+        row=grid.rows.first + starts[1],
+        size=size,
+        centre_xy=plane.to_frame(centre[None])[0],
+        corners_xy=corners,
+        area_px=float(cv2.contourArea(corners.astype(np.float32))),
+    )
+
+
+def _middle(family: Family) -> Array:
+    count = len(family.lines)
+    return family.lines[(count - 1) // 2 : count // 2 + 1]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    point = np.cross(a, b)
+    return np.asarray(point[:2] / point[2], float)
