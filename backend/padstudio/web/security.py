@@ -24,6 +24,13 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _OPEN_PATHS = frozenset({"/api/v1/health"})
 
 
+class TokenError(AccessError):
+    """The token is missing or wrong."""
+
+    code = "token_required"
+    status = 401
+
+
 class Guard:
     """ASGI middleware that stands before everything else.
 
@@ -71,13 +78,10 @@ class Guard:
             is_page = not request.url.path.startswith((errors.API_PREFIX, "/static/"))
             return _enter(request, token) if is_page and request.method == "GET" else None
         if not (_bearer(request, token) or _cookie(request, token)):
-            error = AccessError(
+            raise TokenError(
                 "this server asks for a token: open the address with ?token=... that it printed "
-                "when it started, or send the header Authorization: Bearer <token>",
-                code="token_required",
+                "when it started, or send the header Authorization: Bearer <token>"
             )
-            error.status = 401  # type: ignore[misc]
-            raise error
         return None
 
     def _check_origin(self, request: Request) -> None:
