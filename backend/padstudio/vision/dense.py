@@ -22,7 +22,7 @@ from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import denoised, find_denoise, find_stretch
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import find_regions
-from padstudio.vision.search import Miss, Search, Sighting, search
+from padstudio.vision.search import Miss, Search, Sighting, sightings
 from padstudio.vision.types import (
     Detection,
     Image,
@@ -67,19 +67,30 @@ class Dense:
         stretch = recorder.run("stretch", None, find_stretch, pyramid)
         regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
         frame = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
-        found = search(frame, regions)
-        if isinstance(found, Miss):
-            if recorder.keep:
-                recorder.append(explain(frame, found.region, [], found.level))
-            return Detection(None, found.failure)
+        failure: StageFailure | None = None
+        for found in sightings(frame, regions):
+            if isinstance(found, Miss):
+                failure = failure or found.failure
+                if recorder.keep:
+                    recorder.append(explain(frame, found.region, [], found.level))
+                break
+            detection, reads = self._pose(frame, found)
+            if detection.ok:
+                if recorder.keep:
+                    recorder.append(explain(frame, found.region, reads, None))
+                return detection
+            failure = detection.failure
+        return Detection(None, failure)
+
+    def _pose(self, frame: Search, found: Sighting) -> tuple[Detection, list[LayerRead]]:
+        """The pose of a sighting, and every layer's cells read with it."""
+        recorder = frame.recorder
         starts = recorder.run("pose", None, self._first_poses, found)
         places = len(frame.lattices) * len(self.indices)
-        refiner = Refiner(pyramid, camera, self.pad, self.params, places)
-        measurement = recorder.run("pose", None, _best_of, refiner, starts)
-        detection, reads = self._judge(refiner, measurement, recorder)
-        if recorder.keep:
-            recorder.append(explain(frame, found.region, reads, None))
-        return detection
+        refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, places)
+        good_mm = found.placement.layer.cell_mm
+        measurement = recorder.run("pose", None, _best_of, refiner, starts, good_mm)
+        return self._judge(refiner, measurement, recorder)
 
     def follow(self, bgr: Image, expected: Pose, recorder: Recorder) -> Detection:
         """Find the pad near an expected pose; fails where the picture does not bear it out.
@@ -88,7 +99,7 @@ class Dense:
         """
         pyramid, camera = self._prepare(bgr, recorder)
         refiner = Refiner(pyramid, camera, self.pad, self.params, 1)
-        measurement = recorder.run("pose", None, _best_of, refiner, [expected])
+        measurement = recorder.run("pose", None, _best_of, refiner, [expected], np.inf)
         detection, reads = self._judge(refiner, measurement, recorder)
         for read in reads:
             readable = read.cells.cell_px >= _READABLE_PX and read.evidence.read >= _ENOUGH
@@ -146,9 +157,11 @@ class Dense:
         return _detection(measurement, choice), reads
 
 
-def _best_of(refiner: Refiner, starts: list[Pose]) -> Measurement | None:
+def _best_of(refiner: Refiner, starts: list[Pose], good_mm: float) -> Measurement | None:
     """Refine from the start whose few borders fit best."""
-    settled = [rungs for rungs in (refiner.settle(MovingPose(start)) for start in starts) if rungs]
+    settled = [
+        rungs for rungs in (refiner.settle(MovingPose(start), good_mm) for start in starts) if rungs
+    ]
     settled.sort(key=lambda rungs: (rungs[-1].layer.cell_mm, rungs[-1].rms_px))
     if not settled:
         return None

@@ -23,11 +23,13 @@ _LOW_RINGS = ((12, 6), (23, 11), (33, 15), (42, 20))
 _HIGH_RINGS = ((50, 24), (57, 30), (63, 36), (68, 42), (72, 48), (76, 54))
 _COARSE_EDGES, _FINE_EDGES = 800, 2000
 _STARTS = 3
-# A coherence from which steep candidates need not be tried.
-_CLEAR = 0.45
+# A coherence from which no other start need be tried, unless planes are steep.
+_CLEAR = 0.5
 # Below this cosine of tilt a plane is seen too flat to be read.
 _LEAST_COSINE = 0.17
 _MOST_WEIGHT = 6.0
+# Edges seen along the plane by less than this sine lie beyond the horizon for all we know.
+_LEAST_DEPTH = 0.05
 # An edge belongs to a family when its direction on the plane is within this slope of the axis.
 _LEAST_SLOPE = 0.18
 # Spacings looked for, and the size of the tiles whose spectra are summed, pixels of the plane.
@@ -105,7 +107,7 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     ----------
     edges : EdgeSet
     steep : bool
-        Try planes tilted by more than 45° as well; it takes four times as long.
+        Start from planes tilted by more than 45° rather than less; it takes four times as long.
 
     Returns
     -------
@@ -116,13 +118,13 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     coarse = np.arange(0, len(rays), max(1, len(rays) // _COARSE_EDGES))
     fine = np.arange(0, len(rays), max(1, len(rays) // _FINE_EDGES))
     found: list[tuple[float, Array]] = []
-    for normals in (_LOW, _HIGH) if steep else (_LOW,):
-        score = np.abs(_coherence(normals, edges.lines[coarse], rays[coarse])[0])
-        for start in _distinct(normals, score):
-            found.append(_climb(start, edges.lines[fine], rays[fine]))
-            if found[-1][0] > _CLEAR:
-                return found[-1:]
-        found.sort(key=lambda item: -item[0])
+    normals = _HIGH if steep else _LOW
+    score = np.abs(_coherence(normals, edges.lines[coarse], rays[coarse])[0])
+    for start in _distinct(normals, score):
+        found.append(_climb(start, edges.lines[fine], rays[fine]))
+        if found[-1][0] > _CLEAR and not steep:
+            break
+    found.sort(key=lambda item: -item[0])
     kept: list[tuple[float, Array]] = []
     for item in found:
         if all(item[1][2] @ other[1][2] < math.cos(math.radians(3)) for other in kept):
@@ -135,20 +137,24 @@ def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.co
 
     Each edge is weighted by how much the plane's angle turns for a turn in the picture, so that
     edges of no order give zero for every normal; the norm is that of Cauchy and Schwarz, so that
-    a few heavy edges cannot win.
+    a few heavy edges cannot win. Near edges count for more, as cells shrink with distance, and a
+    plane that most edges cannot lie on, being behind the camera there, loses their share.
     """
     first = np.array([1.0, 0.0, 0.0]) - normals * normals[:, :1]
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normals, first)
     turn = (-(lines @ second.T) + 1j * (lines @ first.T)).astype(np.complex64)
     size2 = (turn.real**2 + turn.imag**2).clip(1e-9)
-    weight = (rays @ normals.T).astype(np.float32).clip(0) / size2
-    np.minimum(weight, _MOST_WEIGHT, out=weight)
+    depth = (rays @ normals.T).astype(np.float32)
+    front = (depth > _LEAST_DEPTH).mean(axis=0)
+    np.maximum(depth, 0, out=depth)
+    near = (depth / depth.max(axis=0).clip(1e-3)) ** 2
+    weight = np.minimum(depth / size2, _MOST_WEIGHT)
     turn *= turn
     turn *= turn
-    turn *= weight / (size2 * size2)
-    norm = np.sqrt((weight * weight).sum(0) * len(lines)).clip(1e-9)
-    return turn.sum(0) / norm, first
+    turn *= near * weight / (size2 * size2)
+    norm = np.sqrt((near * weight * weight).sum(axis=0) * near.sum(axis=0)).clip(1e-9)
+    return front * turn.sum(axis=0) / norm, first
 
 
 def _distinct(normals: Array, score: Array) -> list[Array]:

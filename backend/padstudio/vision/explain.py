@@ -16,7 +16,8 @@ from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import take_channel
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import Region
-from padstudio.vision.search import Search, Sighting, look
+from padstudio.vision.search import Miss, Search, find, place
+from padstudio.vision.types import StageFailure
 
 # A cell is this wide where its layer is shown, pixels of the plane.
 _SHOWN_CELL_PX = 9.0
@@ -60,9 +61,13 @@ def explain(
 
 
 def _run(frame: Search, region: Region, level: int, channel: Channel) -> None:
-    found = look(frame, region, level, channel, steep=True)
-    if not isinstance(found, Sighting):
+    found = find(frame, region, level, channel, steep=False)
+    if isinstance(found, StageFailure):
         frame.recorder.note(found.stage, channel, found)
+        return
+    placed = place(frame, found, region)
+    if isinstance(placed, Miss):
+        frame.recorder.note("decode", channel, placed.failure)
 
 
 def _level(pyramid: Pyramid, cell_px: float | None, level: int | None) -> int:

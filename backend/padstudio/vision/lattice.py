@@ -20,6 +20,7 @@ _GROWTH = 1.5
 # An edge counts for a line within this part of a cell; chance gives twice this share.
 _NEAR = 0.14
 _GATE = 0.25
+_SETTLING = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,23 @@ def find_lattice(families: LineFamilies) -> Lattice | None:
         if radius > reach:
             break
         radius *= _GROWTH
-    return _lattice(fit, families)
+    return _best(fit, _settled(fit, u, v, families, radius), families)
+
+
+def _settled(fit: Array, u: Array, v: Array, families: LineFamilies, radius: float) -> Array:
+    """The map fitted to all edges, hardly held any more, until it stands still."""
+    for _ in range(_SETTLING):
+        refined = _fit(fit, u, v, families.on_u, families.on_v, radius, hold=0.01)
+        if refined is None:
+            break
+        fit = refined
+    return fit
+
+
+def _best(grown: Array, settled: Array, families: LineFamilies) -> Lattice | None:
+    """The better ordered of two maps."""
+    found = [item for item in (_lattice(fit, families) for fit in (settled, grown)) if item]
+    return max(found, key=lambda item: item.order, default=None)
 
 
 def _coordinates(fit: Array, u: Array, v: Array) -> tuple[Array, Array]:
@@ -104,6 +121,7 @@ def _fit(
     on_u: NDArray[np.bool_],
     on_v: NDArray[np.bool_],
     radius: float,
+    hold: float = 1.0,
 ) -> Array | None:
     """One step of least squares for the eight numbers of the map, given the nearest lines."""
     column, row = _coordinates(fit, u, v)
@@ -127,6 +145,7 @@ def _fit(
     stiff[[1, 3]] = 4.0 * radius**2
     stiff[[0, 4]] = 1.0 * radius**2
     stiff[6:] = 40.0 * radius**4 / max(1.0, (radius / 6) ** 2)
+    stiff[:] *= hold
     current = np.concatenate([fit[0], fit[1], fit[2, :2]])
     normal = (a * w[:, None]).T @ a + np.diag(stiff)
     solved = np.linalg.solve(normal, (a * w[:, None]).T @ b + stiff * current)

@@ -115,8 +115,16 @@ class Refiner:
     params: DetectorParams
     places: int
 
-    def settle(self, start: MovingPose) -> list[Rung]:
-        """Readable layers, the coarse ones first, each with the pose that it led to."""
+    def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
+        """Readable layers, the coarse ones first, each with the pose that it led to.
+
+        Parameters
+        ----------
+        start : MovingPose
+        good_mm : float
+            Layers with larger cells have nothing to add to ``start``; their borders only count
+            in the end.
+        """
         pose = start
         rungs: list[Rung] = []
         for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
@@ -124,7 +132,7 @@ class Refiner:
             if len(borders.step) < _LEAST_BORDERS or cell_px < self.params.refine.least_cell_px:
                 continue
             few, rms = borders.thinned(self.params.refine.few_borders), np.inf
-            for _ in range(2):
+            for _ in range(2 if layer.cell_mm <= good_mm else 0):
                 measured = self._measure(layer, few, pose, cell_px, sharper=0)
                 fit = self._fit(pose, measured, iterations=3)
                 if fit is None:

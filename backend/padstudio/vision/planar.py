@@ -70,8 +70,24 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
             poses.append((float(np.ravel(errors[k])[0]), pose))
     if not poses:
         return None
+    poses = [_polished(points_mm, rays, pose) for _, pose in poses]
     poses.sort(key=lambda item: item[0])
     error, pose = poses[0]
     if len(poses) == 1:
         return PlanarPose(pose, 0.0, None, error)
     return PlanarPose(pose, min(1.0, error / max(poses[1][0], 1e-12)), poses[1][1], error)
+
+
+def _polished(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pose]:
+    """Least squares from a closed-form pose: root mean square on the plane z = 1, and the pose."""
+    rvec, tvec = cv2.solvePnPRefineLM(
+        points_mm, rays, np.eye(3), None, pose.rvec.copy(), pose.tvec_mm.copy()
+    )
+    rotation = np.asarray(cv2.Rodrigues(rvec)[0], float)
+    refined = Pose.from_T_camera_pad(rotation, np.asarray(tvec, float))
+    seen = (points_mm - refined.position_mm) @ refined.rotation
+    if not np.isfinite(seen).all() or refined.position_mm[2] <= 0 or (seen[:, 2] <= 0).any():
+        refined = pose
+        seen = (points_mm - pose.position_mm) @ pose.rotation
+    off = seen[:, :2] / seen[:, 2:] - rays
+    return float(np.sqrt((off**2).sum(axis=1).mean())), refined

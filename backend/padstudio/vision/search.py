@@ -57,22 +57,50 @@ class Miss:
     failure: StageFailure
     region: Region
     level: int
+    cells: int = 0
 
 
-def search(frame: Search, regions: list[Region]) -> Sighting | Miss:
-    """Look for the pad in regions of a frame, at every scale, in every layer's channel."""
+def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]:
+    """Look for the pad in regions of a frame, at every scale, in every layer's channel.
+
+    Yields
+    ------
+    Sighting
+        Lattices whose cells agree with the pad, as they are found: the well-ordered ones of a
+        round first, then the others, the round of steep planes last.
+    Miss
+        At the end: what came nearest, for the diagnosis.
+    """
     nothing = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
     nearest = Miss(nothing, regions[0], 0)
     for steep in (False, True):
-        for region in regions:
-            for level in _levels(region, frame.params):
-                for channel in frame.indices:
-                    found = look(frame, region, level, channel, steep=steep)
-                    if isinstance(found, Sighting):
-                        return found
-                    if _ORDER[found.stage] >= _ORDER[nearest.failure.stage]:
-                        nearest = Miss(found, region, level)
-    return nearest
+        unsure: list[tuple[Lattice, Region]] = []
+        for region, level in ((r, k) for r in regions for k in _levels(r, frame.params)):
+            for channel in frame.indices:
+                lattice = find(frame, region, level, channel, steep=steep)
+                if isinstance(lattice, StageFailure):
+                    nearest = _nearer(nearest, Miss(lattice, region, level))
+                    continue
+                if lattice.order < _CLEAR_ORDER:
+                    unsure.append((lattice, region))
+                    continue
+                placed = place(frame, lattice, region)
+                if isinstance(placed, Sighting):
+                    yield placed
+                else:
+                    nearest = _nearer(nearest, placed)
+        for lattice, region in sorted(unsure, key=lambda item: -item[0].order)[:_MOST_UNSURE]:
+            placed = place(frame, lattice, region)
+            if isinstance(placed, Sighting):
+                yield placed
+            else:
+                nearest = _nearer(nearest, placed)
+    yield nearest
+
+
+def _nearer(a: Miss, b: Miss) -> Miss:
+    """The failure of the later stage; of two, the one that rests on more cells."""
+    return max(a, b, key=lambda miss: (_ORDER[miss.failure.stage], miss.cells))
 
 
 def _levels(region: Region, params: DetectorParams) -> Iterator[int]:
@@ -82,13 +110,16 @@ def _levels(region: Region, params: DetectorParams) -> Iterator[int]:
     yield from range(max(coarsest, finest), finest - 1, -1)
 
 
+# Lattices of less order are tried only when a round has found no better one, and not many.
+_CLEAR_ORDER = 0.85
+_MOST_UNSURE = 6
 _ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
 
 
-def look(
+def find(
     frame: Search, region: Region, level: int, channel: Channel, *, steep: bool
-) -> Sighting | StageFailure:
-    """Look for the pad in one channel of one region at one scale."""
+) -> Lattice | StageFailure:
+    """Look for a lattice in one channel of one region at one scale."""
     recorder = frame.recorder
     plane = recorder.run(
         "channel", channel, take_channel, frame.pyramid, frame.stretch, channel, level, region.box
@@ -98,10 +129,7 @@ def look(
         return StageFailure(
             "edges", Reason.NO_EDGES, f"only {len(edges.xy)} edge points in {channel}"
         )
-    lattice = _lattice(frame, edges, channel, steep=steep)
-    if isinstance(lattice, StageFailure):
-        return lattice
-    return _place(frame, lattice, region)
+    return _lattice(frame, edges, channel, steep=steep)
 
 
 def _edges_in(plane: Plane, camera: Camera, region: Region) -> EdgeSet:
@@ -144,7 +172,8 @@ def _lattice(
     return best
 
 
-def _place(frame: Search, lattice: Lattice, region: Region) -> Sighting | StageFailure:
+def place(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
+    """Read a lattice's cells in every layer's channel, and look for their place on the pad."""
     best: Placement | None = None
     frame.lattices.append(lattice)
     attempts = len(frame.lattices) * len(frame.indices)
@@ -159,16 +188,19 @@ def _place(frame: Search, lattice: Lattice, region: Region) -> Sighting | StageF
             return Sighting(lattice, placement, region)
         if best is None or placement.evidence.skill > best.evidence.skill:
             best = placement
+    level = lattice.families.edges.plane.level
     if best is None:
-        return StageFailure("decode", Reason.TOO_FEW_CELLS, "no cell of the grid lies in view")
+        failure = StageFailure("decode", Reason.TOO_FEW_CELLS, "no cell of the grid lies in view")
+        return Miss(failure, region, level)
     evidence = best.evidence
-    return StageFailure(
+    failure = StageFailure(
         "decode",
         Reason.UNKNOWN_CODE,
         f"read {evidence.read} cells; at the best place of this pad {evidence.wrong} differ "
         f"(chance of such a match 10^{evidence.log10_false_alarm:.1f}, "
         f"10^{frame.params.log10_false_alarm:.0f} is needed)",
     )
+    return Miss(failure, region, level, evidence.read)
 
 
 def _read(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
