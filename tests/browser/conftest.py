@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from browser_support import Complaints
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 from web.web_server import running, settings_for
 
 LIMITS = {
@@ -49,6 +49,8 @@ def browser() -> Iterator[Browser]:
     candidates = [os.environ.get("PADSTUDIO_CHROMIUM"), *map(shutil.which, _NAMES), *_MAC]
     found = next((path for path in candidates if path and Path(path).exists()), None)
     assert found, "no Chromium or Chrome: install one, or name it in PADSTUDIO_CHROMIUM"
+    # The first picture waits for a worker process to start, on a machine that tests keep busy.
+    expect.set_options(timeout=30_000)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=found, args=_FLAGS)
         yield browser

@@ -10,7 +10,7 @@ import pytest
 from browser_support import STILL, set_up_reading
 from playwright.sync_api import Page, expect
 
-PAGES = ("/design?rows=20&cols=20", "/diagnose")
+PAGES = ("/design?rows=25&cols=25", "/diagnose")
 LOOKS = [(width, theme) for width in (1280, 390) for theme in ("light", "dark")]
 
 # Elements that a user operates or reads, without those that are hidden.
@@ -85,7 +85,7 @@ def test_names_contrast_and_width(
         page.get_by_label("Choose pictures").set_input_files(STILL)
         expect(page.locator("#verdict")).to_contain_text("Pose found")
     else:
-        expect(page.locator("#pad-facts")).to_contain_text("20 × 20")
+        expect(page.locator("#pad-facts")).to_contain_text("25 × 25")
     assert page.evaluate(_NAMELESS) == []
     assert page.evaluate(_FAINT) == []
     assert page.evaluate(_OVERFLOWING) == []
@@ -167,7 +167,7 @@ def test_the_enlarged_view_keeps_the_focus_and_gives_it_back(
 
 
 def test_the_theme_switch_outlives_a_reload(open_page: Callable[..., Page]) -> None:
-    page = open_page("/design?rows=20&cols=20")
+    page = open_page("/design?rows=25&cols=25")
     ground = "() => getComputedStyle(document.body).backgroundColor"
     light = page.evaluate(ground)
     page.get_by_role("radio", name="Dark").check(force=True)

@@ -26,9 +26,7 @@ def _facts(page: Page, ref: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (390, "dark")])
-def test_tour(
-    open_page: Callable[..., Page], tmp_path: Path, width: int, theme: str
-) -> None:
+def test_tour(open_page: Callable[..., Page], tmp_path: Path, width: int, theme: str) -> None:
     page = open_page("/", width=width, theme=theme)
     expect(page).to_have_url(re.compile("/design$"))
     _design_and_download(page, tmp_path)
@@ -74,7 +72,9 @@ def _look_at_every_stage(page: Page) -> None:
     for stage in CHANNEL_STAGES:
         card = page.locator(f"#stages [data-stage={stage}]").first
         for channel in ("red", "blue"):
-            card.get_by_role("button", name=re.compile(f"Enlarge .*{channel}")).scroll_into_view_if_needed()
+            card.get_by_role(
+                "button", name=re.compile(f"Enlarge .*{channel}")
+            ).scroll_into_view_if_needed()
         page.wait_for_function(
             "card => [...card.querySelectorAll('img')].every(image => image.naturalWidth > 0)",
             arg=card.element_handle(),

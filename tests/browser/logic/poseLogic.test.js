@@ -1,0 +1,65 @@
+import { evidenceFacts, poseFacts, poseInWords, verdict } from "/static/js/poseLogic.js";
+import { verificationFacts } from "/static/js/verificationLogic.js";
+import { equal } from "./check.js";
+
+const RECORD = {
+  status: "ok",
+  position_mm: [-40.34, 0.01, 3500],
+  quaternion_xyzw: [1, 0, 0, -0.00001],
+  heading_deg: 350,
+  tilt_deg: 12.34,
+  layer: "red",
+  cells_read: 5120,
+  cells_wrong: 3,
+  log10_false_alarm: -300.2,
+  reprojection_px: 0.2126,
+  position_sigma_mm: [0.311, 0.2, 0.1],
+  attitude_sigma_deg: null,
+  elapsed_ms: { total: 1234.5 },
+};
+
+export const tests = {
+  "a pose in words": () => {
+    equal(poseInWords(RECORD), [
+      "The camera is 3.50 m above the pad, 40.3 mm to the left from the pad's centre.",
+      "It looks 12.3° away from straight down.",
+      "The top of the picture points 10.0° anticlockwise from the top of the page.",
+    ]);
+    equal(poseInWords({ ...RECORD, position_mm: [0, 0, 65.4], heading_deg: 360, tilt_deg: 0 }), [
+      "The camera is 65.4 mm above the pad, straight over the pad's centre.",
+      "It looks straight down.",
+      "The top of the picture is the top of the page.",
+    ]);
+    equal(poseInWords({ ...RECORD, position_mm: [5, -120, 500] })[0],
+      "The camera is 500 mm above the pad, 5.0 mm to the right and 120 mm down the page from the pad's centre.");
+  },
+  "a pose in figures, with its deviation": () => {
+    equal(poseFacts(RECORD).slice(0, 4), [
+      ["X", "−40.34 ± 0.31 mm"], ["Y", "0.01 ± 0.20 mm"], ["Z", "3500.00 ± 0.10 mm"], ["Heading", "350.00°"],
+    ]);
+    equal(poseFacts(RECORD).at(-1), ["Quaternion xyzw", "1.0000, 0.0000, 0.0000, 0.0000"]);
+    equal(poseFacts({ ...RECORD, position_sigma_mm: null })[0], ["X", "−40.34 mm"]);
+  },
+  "what the pose rests on": () => {
+    const facts = Object.fromEntries(evidenceFacts(RECORD));
+    equal(facts["Chance of a false match"], "below 10⁻³⁰⁰");
+    equal([facts["Cells read"], facts["Cells that differ"], facts.Time], ["5120", "3", "1.23 s"]);
+  },
+  "the verdict names the layer, or the stage and the reason": () => {
+    equal(verdict(RECORD), "Pose found from the red layer");
+    equal(verdict({ ...RECORD, layer: "outline" }), "Pose found from the outline of the pad");
+    equal(verdict({ status: "failed", stage: "block_mean", reason: "no_contrast", elapsed_ms: {} }),
+      "No pose: no contrast at stage Block mean");
+  },
+  "a check says how far uniqueness goes": () => {
+    const check = { windows: 14641, unique: true, unique_under_rotation: true, min_distance: 2, min_distance_under_rotation: 1 };
+    equal(verificationFacts(check), {
+      facts: [["Windows checked", "14\u202f641"], ["Each occurs once", "in all rotations"], ["Windows differ in", "1 or more cells"]],
+      fault: "",
+    });
+    const plain = verificationFacts({ ...check, unique_under_rotation: false });
+    equal(plain.facts.slice(1), [["Each occurs once", "as printed"], ["Windows differ in", "2 or more cells"]]);
+    equal(verificationFacts({ ...check, unique: false, unique_under_rotation: false }).fault !== "", true);
+    equal(verificationFacts(null), { facts: [], fault: "" });
+  },
+};

@@ -1,0 +1,42 @@
+"""Runs the tests of the page's logic (``logic/*.test.js``) in the browser that will run it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from browser_support import FRONTEND
+from playwright.sync_api import Page, Route
+
+LOGIC = Path(__file__).parent / "logic"
+FILES = sorted(path.name for path in LOGIC.glob("*.test.js"))
+
+_RUN = """async name => {
+  const { tests } = await import(`/tests/${name}`);
+  const faults = [];
+  for (const [title, run] of Object.entries(tests)) {
+    try { await run(); } catch (error) { faults.push(`${title}: ${error.message}`); }
+  }
+  return [Object.keys(tests).length, faults];
+}"""
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_logic(open_page: Callable[..., Page], name: str) -> None:
+    page = open_page("/diagnose")
+
+    def serve(route: Route) -> None:
+        file = LOGIC / route.request.url.rsplit("/", 1)[1]
+        route.fulfill(body=file.read_text(encoding="utf-8"), content_type="text/javascript")
+
+    page.route("**/tests/*.js", serve)
+    count, faults = page.evaluate(_RUN, name)
+    assert count > 3
+    assert faults == []
+
+
+def test_every_logic_module_is_tested() -> None:
+    tested = "".join((LOGIC / name).read_text(encoding="utf-8") for name in FILES)
+    modules = {path.name for path in (FRONTEND / "js").glob("*Logic.js")}
+    assert {name for name in modules if f"/static/js/{name}" not in tested} == set()
