@@ -7,8 +7,9 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
-from padstudio.vision.planar import planar_pose
 from padstudio.vision.types import Array, Reason, StageFailure, Uncertainty
+
+_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-12)
 
 
 def corner_residuals(pose: Pose, camera: Camera, points_mm: Array, xy: Array) -> Array:
@@ -36,36 +37,55 @@ def corner_sigma_px(residuals: Array, known_px: float) -> float:
     return max(known_px, float(np.sqrt((residuals**2).sum() / max(freedom, 1))))
 
 
+def polish(pose: Pose, points_mm: Array, rays: Array) -> Pose:
+    """The pose nearby with the least reprojection error of a few corners.
+
+    A closed-form planar pose reads tilt off foreshortening, which from straight above is the
+    square root of the corners' error; least squares uses the perspective as well.
+
+    Parameters
+    ----------
+    pose : Pose
+    points_mm : (N, 3) float64
+        Pad frame.
+    rays : (N, 2) float64
+        Their pictures on the plane z = 1, undistorted.
+    """
+    rvec, tvec = cv2.solvePnPRefineLM(
+        points_mm.reshape(-1, 1, 3),
+        rays.reshape(-1, 1, 2),
+        np.eye(3),
+        None,
+        pose.rvec.reshape(3, 1).copy(),
+        pose.tvec_mm.reshape(3, 1).copy(),
+        _STOP,
+    )
+    polished = Pose.from_T_camera_pad(np.asarray(cv2.Rodrigues(rvec)[0], float), tvec)
+    sound = np.isfinite(polished.position_mm).all() and polished.position_mm[2] > 0
+    return polished if sound else pose
+
+
 def corner_covariance(
     pose: Pose, camera: Camera, points_mm: Array, xy: Array, sigma_px: float
 ) -> Array:
-    """Covariance of a pose from corners whose coordinates are independently off by `sigma_px`.
+    """Covariance of a polished pose from corners that are independently off by `sigma_px`.
 
-    The solver is run with each coordinate moved either way: seen from straight above, tilt is
-    about the square root of the error, so that a derivative would promise too much.
+    Each coordinate is moved either way by its standard deviation and the pose found again: seen
+    from straight above, tilt bends so strongly that a derivative would promise too much.
 
     Returns
     -------
     (6, 6) float64
-        Centre (mm, pad frame), then attitude (radians, about the camera's axes). Infinite where
-        moved corners leave no pose.
-
-    References
-    ----------
-    Julier, S. and Uhlmann, J. (2004). Unscented filtering and nonlinear estimation.
-    doi:10.1109/JPROC.2003.823141
+        Centre (mm, pad frame), then attitude (radians, about the camera's axes).
     """
-    count = xy.size
-    moves = np.sqrt(count) * sigma_px * np.concatenate([np.eye(count), -np.eye(count)])
-    offsets = []
-    for move in moves:
-        moved = planar_pose(points_mm, camera.normalize(xy + move.reshape(xy.shape)))
-        if moved is None:
-            return np.full((6, 6), np.inf)
-        turn = cv2.Rodrigues(pose.rotation.T @ moved.pose.rotation)[0].ravel()
-        offsets.append(np.concatenate([moved.pose.position_mm - pose.position_mm, turn]))
-    spread = np.array(offsets)
-    return np.asarray(spread.T @ spread / len(spread), float)
+    start = polish(pose, points_mm, camera.normalize(xy))
+    covariance = np.zeros((6, 6))
+    for move in sigma_px * np.concatenate([np.eye(xy.size), -np.eye(xy.size)]):
+        moved = polish(start, points_mm, camera.normalize(xy + move.reshape(xy.shape)))
+        turn = cv2.Rodrigues(start.rotation.T @ moved.rotation)[0].ravel()
+        off = np.concatenate([moved.position_mm - start.position_mm, turn])
+        covariance += np.outer(off, off) / 2
+    return covariance
 
 
 def uncertainty(covariance: Array) -> Uncertainty:

@@ -18,7 +18,12 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells import read_cells
-from padstudio.vision.corner_pose import corner_covariance, corner_residuals, corner_sigma_px
+from padstudio.vision.corner_pose import (
+    corner_covariance,
+    corner_residuals,
+    corner_sigma_px,
+    polish,
+)
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.measure import LayerRead
 from padstudio.vision.outline_sides import Side, fit_side
@@ -161,10 +166,11 @@ def outline_pose(
         planar = planar_pose(points_mm, outline.corners_rays)
         if planar is None:
             continue
+        pose = polish(planar.pose, points_mm, outline.corners_rays)
         for layer in pad.layers:
-            read = _read(pyramid, camera, pad, layer, planar.pose)
+            read = _read(pyramid, camera, pad, layer, pose)
             if read is not None and (best is None or _better(read.evidence, best[0].evidence)):
-                best = (read, planar.pose, points_mm)
+                best = (read, pose, points_mm)
     if best is None:
         return _failure("no pose has four such corners")
     read, pose, points_mm = best

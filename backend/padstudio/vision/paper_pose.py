@@ -14,6 +14,7 @@ from padstudio.vision.corner_pose import (
     corner_covariance,
     corner_residuals,
     corner_sigma_px,
+    polish,
     unsure,
 )
 from padstudio.vision.paper_decode import WindowRead
@@ -83,6 +84,8 @@ def window_pose(
 ) -> WindowPose | StageFailure:
     """Plane P4P of the window's corners; of its two answers the one that carries the lattice.
 
+    Both answers are polished by least squares over the same four corners.
+
     Parameters
     ----------
     pad : Pad
@@ -92,11 +95,14 @@ def window_pose(
     params : PaperParams
     """
     points_mm = to_pad(pad, read.layer, read.corners_lattice)
-    planar = planar_pose(points_mm, camera.normalize(read.window.corners_xy))
+    rays = camera.normalize(read.window.corners_xy)
+    planar = planar_pose(points_mm, rays)
     if planar is None:
         detail = "the four corners leave the pose undetermined"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
-    answers = [planar.pose] if planar.other is None else [planar.pose, planar.other]
+    answers = [
+        polish(pose, points_mm, rays) for pose in (planar.pose, planar.other) if pose is not None
+    ]
     offsets = [_off_lattice(pad, camera, read, pose) for pose in answers]
     best = int(np.argmin(offsets))
     if not offsets[best] < _MOST_OFF:
