@@ -5,10 +5,12 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.layout import Layout
+from padstudio.pad.paper_sheets import Sheet, SheetPlan
 from padstudio.pad.spec import Layer, Pad
 
 Array = NDArray[np.float64]
@@ -65,6 +67,52 @@ def edge_errors_mm(image: NDArray[np.uint8], page: Layout, px_per_mm: float) -> 
     across = _axis_errors(image, page.x_mm, page.y_mm, page.colors, px_per_mm)
     turned = image.transpose(1, 0, 2), page.y_mm, page.x_mm, page.colors.transpose(1, 0, 2)
     return np.concatenate([across, _axis_errors(*turned, px_per_mm)])
+
+
+def cut_marks(
+    tile: NDArray[np.uint8], sheet: Sheet, px_per_mm: float
+) -> tuple[float, float, float, float]:
+    """Left, top, right and bottom of a sheet's core, mm, from the marks' dark middles alone."""
+    dark = 255.0 - tile.min(axis=2)
+    x0, y0 = sheet.x_mm, sheet.y_mm
+    x1, y1 = x0 + sheet.core.width, y0 + sheet.core.height
+    beyond_x, beyond_y = x0 + sheet.painted.width, y0 + sheet.painted.height
+
+    def middle(x: float, y: float, axis: int) -> float:
+        """Centre of darkness along an axis in a window of 2 mm round a point."""
+        top, left = round((y - 1) * px_per_mm), round((x - 1) * px_per_mm)
+        side = round(2 * px_per_mm)
+        profile = dark[top : top + side, left : left + side].sum(axis=1 - axis)
+        centre = (np.arange(len(profile)) + 0.5) @ profile / profile.sum()
+        return float(centre + (top, left)[axis]) / px_per_mm
+
+    left = (middle(x0, y0 - 2.5, 1) + middle(x0, beyond_y + 2.5, 1)) / 2
+    right = (middle(x1, y0 - 2.5, 1) + middle(x1, beyond_y + 2.5, 1)) / 2
+    top = (middle(x0 - 2.5, y0, 0) + middle(beyond_x + 2.5, y0, 0)) / 2
+    bottom = (middle(x0 - 2.5, y1, 0) + middle(beyond_x + 2.5, y1, 0)) / 2
+    return left, top, right, bottom
+
+
+def assemble(
+    plan: SheetPlan, tiles: list[NDArray[np.uint8]], px_per_mm: float
+) -> NDArray[np.uint8]:
+    """The whole page from pictures of its sheets, cut at their marks and laid side by side."""
+    width, height = (round(side * px_per_mm) for side in (plan.page_width_mm, plan.page_height_mm))
+    out = np.full((height, width, 3), 255, np.uint8)
+    across, down = [0.0] * plan.rows, [0.0] * plan.cols
+    for sheet, tile in zip(plan.sheets, tiles, strict=True):
+        left, top, right, bottom = cut_marks(tile, sheet, px_per_mm)
+        x, y = across[sheet.row], down[sheet.col]
+        across[sheet.row], down[sheet.col] = x + right - left, y + bottom - top
+        x0, y0 = round(x * px_per_mm), round(y * px_per_mm)
+        size = (
+            round(across[sheet.row] * px_per_mm) - x0,
+            round(down[sheet.col] * px_per_mm) - y0,
+        )
+        shift = np.array([[1, 0, (x - left) * px_per_mm - x0], [0, 1, (y - top) * px_per_mm - y0]])
+        part = cv2.warpAffine(tile, shift, size)[: height - y0, : width - x0]
+        out[y0 : y0 + part.shape[0], x0 : x0 + part.shape[1]] = part
+    return out
 
 
 def _axis_errors(

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from measure_print import Array, edge_errors_mm, make_pad, pages, pdf_info, pdf_text
+from measure_print import Array, cut_marks, edge_errors_mm, make_pad, pages, pdf_info, pdf_text
 from padstudio.errors import SpecError
 from padstudio.pad.identity import label_text, pad_id
 from padstudio.pad.layout import Layout, crop, layout
-from padstudio.pad.paper_sheets import Sheet, SheetOptions, SheetPlan
+from padstudio.pad.paper_sheets import SheetOptions, SheetPlan
 from padstudio.pad.spec import Pad
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf_sheets import write_sheets
@@ -54,7 +54,7 @@ def test_cut_and_joined_sheets_make_the_pad(
     origin_x = dict.fromkeys(range(plan.rows), 0.0)
     origin_y = dict.fromkeys(range(plan.cols), 0.0)
     for sheet, tile in zip(plan.sheets, tiles, strict=True):
-        left, top, right, bottom = cut_marks(tile, sheet)
+        left, top, right, bottom = cut_marks(tile, sheet, SCALE)
         # Laid against its neighbours, the sheet's cut corner is where theirs end.
         at_x, at_y = origin_x[sheet.row], origin_y[sheet.col]
         origin_x[sheet.row] += right - left
@@ -164,27 +164,6 @@ def test_any_name_prints_within_the_sheet(text: str, tmp_path: Path) -> None:
     margin = round(4 * 50 / 25.4)
     assert (image[:, -margin:] == 255).all()
     assert (image[:, :margin] == 255).all()
-
-
-def cut_marks(tile: Image, sheet: Sheet) -> tuple[float, float, float, float]:
-    """Left, top, right and bottom of the core, mm on the sheet, from the marks' dark middles."""
-    dark = 255.0 - tile.min(axis=2)
-    x0, y0 = sheet.x_mm, sheet.y_mm
-    x1, y1 = x0 + sheet.core.width, y0 + sheet.core.height
-    beyond_x, beyond_y = x0 + sheet.painted.width, y0 + sheet.painted.height
-
-    def middle(x: float, y: float, axis: int) -> float:
-        """Centre of darkness along an axis in a window of 2 mm round a point."""
-        window = dark[_px(y - 1) : _px(y + 1), _px(x - 1) : _px(x + 1)]
-        profile = window.sum(axis=1 - axis)
-        start = (_px(y - 1), _px(x - 1))[axis]
-        return float((np.arange(len(profile)) + 0.5) @ profile / profile.sum() + start) / SCALE
-
-    left = (middle(x0, y0 - 2.5, 1) + middle(x0, beyond_y + 2.5, 1)) / 2
-    right = (middle(x1, y0 - 2.5, 1) + middle(x1, beyond_y + 2.5, 1)) / 2
-    top = (middle(x0 - 2.5, y0, 0) + middle(beyond_x + 2.5, y0, 0)) / 2
-    bottom = (middle(x0 - 2.5, y1, 0) + middle(beyond_x + 2.5, y1, 0)) / 2
-    return left, top, right, bottom
 
 
 def tile_errors(tile: Image, part: Layout, shift: Array) -> Array:
