@@ -9,7 +9,14 @@ from typing import Annotated
 
 import typer
 
-from padstudio import cli_detect, cli_generate, cli_print, cli_serve, cli_simulate
+from padstudio import (
+    cli_coverage,
+    cli_detect,
+    cli_generate,
+    cli_print,
+    cli_serve,
+    cli_simulate,
+)
 from padstudio.cli_support import StudioGroup
 
 app = typer.Typer(
@@ -50,5 +57,5 @@ def _root(
     pass
 
 
-for part in (cli_generate, cli_print, cli_detect, cli_simulate, cli_serve):
+for part in (cli_generate, cli_print, cli_detect, cli_simulate, cli_coverage, cli_serve):
     part.register(app)

@@ -83,6 +83,13 @@ class ReadLimits:
             raise SpecError("the limits of reading are numbers above 0")
 
 
+#: What the detector's methods need, as found in simulated daylight (docs/simulation.md).
+METHOD_LIMITS: dict[Method, ReadLimits] = {
+    "dense": ReadLimits(cell_px=4.3),
+    "paper": ReadLimits(cells_across=7.0, cell_px=12.0),
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Span:
     """Heights at which a layer reads at one tilt.
