@@ -13,6 +13,7 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.choose import Choice, choose
 from padstudio.vision.decode import LayerIndex
+from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
 from padstudio.vision.measure import LayerRead, Measurement, Refiner
 from padstudio.vision.motion import MovingPose
@@ -70,7 +71,8 @@ class Dense:
         failure: StageFailure | None = None
         for found in sightings(frame, regions):
             if isinstance(found, Miss):
-                failure = failure or found.failure
+                suspect = Suspect(pyramid, camera, self.pad, stretch, regions)
+                failure = diagnose(suspect, failure or found.failure)
                 if recorder.keep:
                     recorder.append(explain(frame, found.region, [], found.level))
                 break
