@@ -96,7 +96,8 @@ function render() {
   });
   const shown = state.pad?.layers.some((layer) => layer.channel === state.view);
   const view = shown ? state.view : "print";
-  const message = state.fault || (spec ? "The pad is drawn here." : "Correct the marked fields to see the pad.");
+  const invitation = spec ? "The pad is drawn here." : "Correct the marked fields to see the pad.";
+  const message = state.fault || invitation;
   const { pad, viewport, busy } = state;
   viewer.update({ pad, view, viewport, busy, message });
   strip.update({ pad, view });
@@ -144,7 +145,8 @@ async function preview(spec) {
  */
 function showPad(file, verification) {
   const pad = viewOfPad(file);
-  const resized = state.pad && (pad.widthMm !== state.pad.widthMm || pad.heightMm !== state.pad.heightMm);
+  const old = state.pad;
+  const resized = old && (pad.widthMm !== old.widthMm || pad.heightMm !== old.heightMm);
   set({ pad, verification, fault: "", stale: false, ...(resized ? { viewport: null } : {}) });
 }
 

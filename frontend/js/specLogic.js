@@ -111,7 +111,8 @@ function relationFaults(spec) {
   if (Object.keys(errors).length) return errors;
   const short = Math.min(spec.rows, spec.cols);
   if (spec.ratio > 1 && Math.floor(short / spec.ratio) < b) {
-    errors.ratio = `At most ${Math.max(1, Math.floor(short / b))}, so that a ${b} × ${b} window of blue cells fits.`;
+    const most = Math.max(1, Math.floor(short / b));
+    errors.ratio = `At most ${most}, so that a ${b} × ${b} window of blue cells fits.`;
   }
   const { windows, log10Codes } = capacity(spec);
   if (Math.log10(windows) > log10Codes) {

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 import pytest
 from browser_support import Complaints
 from playwright.sync_api import Browser, Page, expect, sync_playwright
+
 from web.web_server import running, settings_for
 
 LIMITS = {

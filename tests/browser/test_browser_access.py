@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from itertools import groupby, pairwise
 from typing import Any
 
 import pytest
@@ -14,7 +15,8 @@ PAGES = ("/design?rows=25&cols=25", "/diagnose")
 LOOKS = [(width, theme) for width in (1280, 390) for theme in ("light", "dark")]
 
 # Elements that a user operates or reads, without those that are hidden.
-_NAMELESS = """() => [...document.querySelectorAll("button, a[href], input, select, canvas[tabindex]")]
+_NAMELESS = """() => [
+  ...document.querySelectorAll("button, a[href], input, select, [tabindex='0']")]
   .filter(e => e.checkVisibility())
   .filter(e => {
     const labels = [...(e.labels ?? [])].map(l => l.textContent).join("");
@@ -53,7 +55,8 @@ _FAINT = """() => {
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     const size = parseFloat(style.fontSize);
     const isLarge = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-    if (ratio < (isLarge ? 3 : 4.5)) faint.push(`${ratio.toFixed(2)} ${node.data.trim().slice(0, 40)}`);
+    const text = node.data.trim().slice(0, 40);
+    if (ratio < (isLarge ? 3 : 4.5)) faint.push(`${ratio.toFixed(2)} ${text}`);
   }
   return faint;
 }"""
@@ -70,7 +73,7 @@ _FOCUSED = """() => {
     .some(x => getComputedStyle(x).outlineStyle !== "none");
   const box = shown.getBoundingClientRect();
   return { tag: e.tagName, id: e.id || e.dataset.ref || e.textContent.trim().slice(0, 20),
-           ring, left: box.left, top: box.top + scrollY, region: e.closest(".panel, header, footer")?.id };
+           ring, top: box.top + scrollY, region: e.closest(".panel, header, footer")?.id };
 }"""
 
 
@@ -133,10 +136,11 @@ def test_tab_reaches_everything_in_reading_order_with_a_visible_focus(
     assert seen[0]["id"] == "Skip to the content"
     regions = [focus["region"] for focus in seen if focus["region"]]
     # Each region is left once and for all.
-    assert len({*regions}) == sum(a != b for a, b in zip(regions, [None, *regions], strict=False))
-    for before, after in zip(seen, seen[1:], strict=False):
+    assert len({*regions}) == len([region for region, _ in groupby(regions)])
+    for before, after in pairwise(seen):
         if before["region"] and before["region"] == after["region"]:
-            assert (after["top"], after["left"]) >= (before["top"] - 40, 0), (before, after)
+            # Neighbours in a row may differ a little in height.
+            assert after["top"] >= before["top"] - 40, (before, after)
 
 
 def test_the_enlarged_view_keeps_the_focus_and_gives_it_back(
