@@ -60,7 +60,8 @@ def polish(pose: Pose, points_mm: Array, rays: Array) -> Pose:
         pose.tvec_mm.reshape(3, 1).copy(),
         _STOP,
     )
-    polished = Pose.from_T_camera_pad(np.asarray(cv2.Rodrigues(rvec)[0], float), tvec)
+    rotation = np.asarray(cv2.Rodrigues(rvec)[0], float)
+    polished = Pose.from_T_camera_pad(rotation, np.asarray(tvec, float))
     sound = np.isfinite(polished.position_mm).all() and polished.position_mm[2] > 0
     return polished if sound else pose
 

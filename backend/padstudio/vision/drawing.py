@@ -6,9 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
 from padstudio.vision.cells import CellGrid
 from padstudio.vision.lattice import Lattice
 from padstudio.vision.measure import Measurement
+from padstudio.vision.motion import MovingPose
 from padstudio.vision.types import Array, Image
 
 Color = tuple[int, int, int]
@@ -23,6 +26,9 @@ _AXES: tuple[Color, Color, Color] = ((80, 80, 255), (90, 220, 90), (255, 140, 80
 # Positions are drawn with this many fractional bits.
 _SHIFT = 4
 _MOST_LINES = 400
+
+#: Pictures are made no wider than this.
+MAX_WIDTH = 1600
 
 
 def fit(image: Image, width: int) -> Image:
@@ -88,6 +94,18 @@ def _polyline(picture: Image, xy: Array, color: Color, thickness: int = 1) -> No
     cv2.polylines(picture, [at.reshape(-1, 1, 2)], False, color, thickness, cv2.LINE_AA, _SHIFT)
 
 
+def segment(picture: Image, start: Array, end: Array, color: Color, thickness: int = 1) -> None:
+    """Draw a straight line between two points, smoothly."""
+    _polyline(picture, np.stack([start, end]), color, thickness)
+
+
+def disc(picture: Image, xy: Array, radius: float, color: Color) -> None:
+    """Fill a disc, smoothly."""
+    x, y = (int(v) for v in np.round(xy * (1 << _SHIFT)))
+    r = max(1, round(radius * (1 << _SHIFT)))
+    cv2.circle(picture, (x, y), r, color, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+
+
 class Canvas:
     """A picture of a frame to draw on in frame pixels.
 
@@ -119,9 +137,18 @@ class Canvas:
             self._dot(xy[row, col], radius if agrees else radius * 1.6, RIGHT if agrees else WRONG)
 
     def _dot(self, xy: Array, radius: float, color: Color) -> None:
-        x, y = (int(v) for v in np.round(xy * (1 << _SHIFT)))
-        r = max(1, round(radius * (1 << _SHIFT)))
-        cv2.circle(self.picture, (x, y), r, color, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+        disc(self.picture, xy, radius, color)
+
+    def dots(self, xy: Array, color: Color) -> None:
+        """Mark points (N, 2)."""
+        for at in self._at(xy):
+            self._dot(at, 1.6, color)
+
+    def quadrilateral(self, corners_xy: Array, color: Color) -> None:
+        """Draw a closed line through corners (N, 2), the first of them marked."""
+        at = self._at(corners_xy)
+        _polyline(self.picture, np.concatenate([at, at[:1]]), color, 3)
+        self._dot(at[0], 6.0, color)
 
     def borders(self, found: Measurement) -> None:
         """Mark the measured borders, those that count and those that do not."""
@@ -135,9 +162,22 @@ class Canvas:
         points_mm = found.measured.borders.points_mm
         origin = points_mm.mean(axis=0)
         length = 0.4 * max(float(np.ptp(points_mm[:, :2], axis=0).min()), found.layer.cell_mm)
-        ends = origin + length * np.eye(3)
-        at = self._at(found.fit.pose.project(found.camera, np.vstack([origin, ends])))
+        self._axes(found.fit.pose.project(found.camera, _axes_mm(origin, length)))
+
+    def pose_axes(self, pose: Pose, camera: Camera, points_mm: Array) -> None:
+        """Draw the pad's axes amid some of its points, (N, 3) mm."""
+        size = float(np.ptp(points_mm[:, :2], axis=0).min())
+        axes_mm = _axes_mm(points_mm.mean(axis=0), 0.4 * size)
+        self._axes(MovingPose(pose).project(camera, axes_mm))
+
+    def _axes(self, xy: Array) -> None:
+        """Draw three strokes from the first of four points."""
+        at = self._at(xy)
         for end, color in zip(at[1:], _AXES, strict=True):
             if np.isfinite(end).all() and np.isfinite(at[0]).all():
-                _polyline(self.picture, np.stack([at[0], end]), (0, 0, 0), 6)
-                _polyline(self.picture, np.stack([at[0], end]), color, 3)
+                segment(self.picture, at[0], end, (0, 0, 0), 6)
+                segment(self.picture, at[0], end, color, 3)
+
+
+def _axes_mm(origin: Array, length: float) -> Array:
+    return np.vstack([origin, origin + length * np.eye(3)])

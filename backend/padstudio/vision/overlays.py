@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.spec import Channel
-from padstudio.vision import drawing
+from padstudio.vision import drawing, overlays_paper
 from padstudio.vision.block_mean import Binary
 from padstudio.vision.choose import Choice
 from padstudio.vision.decode import Placement
@@ -22,8 +22,7 @@ from padstudio.vision.planes import BGR_INDEX, Plane
 from padstudio.vision.prepare import Denoise, Stretch, denoised
 from padstudio.vision.types import Detection, Image, StageFailure, Trace
 
-#: Pictures are made no wider than this.
-MAX_WIDTH = 1600
+MAX_WIDTH = drawing.MAX_WIDTH
 
 
 def stage_picture(trace: Trace, name: str, channel: Channel | None = None) -> Image | None:
@@ -54,15 +53,17 @@ def stage_picture(trace: Trace, name: str, channel: Channel | None = None) -> Im
 
 def result_picture(trace: Trace, detection: Detection) -> Image:
     """The frame with the lattice, the decoded cells and the pad's axes over it, BGR."""
+    posed = trace.get("pose")
+    if posed is not None and type(posed.output) in overlays_paper.PAINTERS:
+        return overlays_paper.PAINTERS[type(posed.output)](trace, posed.output, None)
     record = trace.get("choose")
     picture = drawing.fit(trace.image, MAX_WIDTH)
     if detection.pose is None or record is None or not isinstance(record.output, Choice):
         return picture
     canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
     canvas.cells(record.output.read.cells, record.output.read.expected, detection.cells_read)
-    measured = trace.get("pose")
-    if measured is not None and isinstance(measured.output, Measurement):
-        canvas.axes(measured.output)
+    if posed is not None and isinstance(posed.output, Measurement):
+        canvas.axes(posed.output)
     return canvas.picture
 
 
@@ -170,4 +171,5 @@ _PAINTERS: dict[type, Callable[[Trace, Any, Channel | None], Image]] = {
     LayerRead: _paint_read,
     Choice: _paint_choice,
     Measurement: _paint_measurement,
+    **overlays_paper.PAINTERS,
 }

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -85,10 +85,16 @@ class Paper:
         if isinstance(outline, OutlinePose):
             # A whole sign is larger than any window of it, and the larger area wins.
             if recorder.keep:
-                self._read_channels(frame, next(self._levels(frame)), 1)
+                recorder.append(self._explain(frame))
             recorder.note("pose", None, outline)
             return _from_outline(outline)
         return self._from_windows(frame, outline)
+
+    def _explain(self, frame: _Frame) -> Recorder:
+        """For a trace: the stages that the result did not need."""
+        shown = Recorder(keep=True)
+        self._read_channels(replace(frame, recorder=shown), next(self._levels(frame)), 1)
+        return shown
 
     def _outline(self, frame: _Frame) -> OutlinePose | StageFailure:
         found = frame.recorder.run(

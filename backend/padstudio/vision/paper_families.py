@@ -23,6 +23,8 @@ _NEAR = 0.12
 # The step that explains this share of what the best one explains, and is the widest, is the cell.
 _AS_GOOD = 0.88
 _LEAST_LINES = 3
+# Of the lines from a family's first to its last, this share must have been found.
+_LEAST_FOUND = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,13 +175,19 @@ def _fit_lattice(ends: Array, numbers: Array, support: Array) -> Array | None:
             coordinate = _coordinates(fit, ends)[..., axis]
             off = np.abs(coordinate - numbers[axis][:, None]).max(axis=1)
             numbers[axis] = np.where(off < 1.5 * _NEAR, numbers[axis], np.nan)
-    return fit
+    return fit if all(_dense_enough(family) for family in numbers) else None
+
+
+def _dense_enough(numbers: Array) -> bool:
+    """Whether enough of a family's lines were found: else any lines at all would be a grid."""
+    known = np.unique(numbers[np.isfinite(numbers)])
+    return len(known) >= _LEAST_LINES and len(known) >= _LEAST_FOUND * (known[-1] - known[0])
 
 
 def _steepness(fit: Array, axis: int, number: Array, points: Array) -> Array:
     """What turns the algebraic error of points on numbered lines into distances."""
     lines = fit[axis] - number[:, None] * fit[2]
-    return np.maximum(np.linalg.norm(lines[:, :2], axis=1), 1e-12)
+    return np.asarray(np.maximum(np.linalg.norm(lines[:, :2], axis=1), 1e-12), float)
 
 
 def _coordinates(fit: Array, xy: Array) -> Array:
