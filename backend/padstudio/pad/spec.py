@@ -41,9 +41,7 @@ class Layer:
 
     def __post_init__(self) -> None:
         if self.channel not in CHANNELS:
-            raise PadFormatError(
-                f"unknown channel {self.channel!r}; use {', '.join(CHANNELS)}"
-            )
+            raise PadFormatError(f"unknown channel {self.channel!r}; use {', '.join(CHANNELS)}")
         if not (np.isfinite(self.cell_mm) and 0 < self.cell_mm <= 10_000):
             raise PadFormatError(
                 f"{self.channel} layer: cell_mm is {self.cell_mm}; give a side above 0 and at most "
