@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from padstudio.pad.layout import corners_mm, lattice_mm, layout, level_values, outline_mm
+from padstudio.pad.layout import corners_mm, crop, lattice_mm, layout, level_values, outline_mm
 from padstudio.pad.spec import Layer, Pad
 
 RED = np.array([[0, 1, 1, 0], [1, 0, 0, 1], [0, 0, 1, 1], [1, 1, 0, 0]])
@@ -53,6 +53,27 @@ def test_corners_are_about_the_pads_centre_with_y_up():
     np.testing.assert_allclose(corners[0, 4], [20, 20, 0])
     np.testing.assert_allclose(corners[4, 0], [-20, -20, 0])
     np.testing.assert_allclose(corners[3, 1], [-10, -10, 0])
+
+
+def test_a_part_keeps_page_coordinates():
+    page = layout(two_layers())
+    part = crop(page, 20, 0, 38, 15)
+    np.testing.assert_allclose(part.x_mm, [20, 25, 35, 38])
+    np.testing.assert_allclose(part.y_mm, [5, 15])
+    np.testing.assert_array_equal(part.colors, page.colors[:1, 1:4])
+    assert (part.page_width_mm, part.page_height_mm) == (50, 50)
+
+
+def test_a_part_on_edges_has_whole_cells():
+    page = layout(two_layers())
+    part = crop(page, 15, 15, 45, 50)
+    np.testing.assert_allclose(part.x_mm, page.x_mm[1:])
+    np.testing.assert_array_equal(part.colors, page.colors[1:, 1:])
+
+
+def test_a_part_of_the_quiet_margin_is_empty():
+    assert crop(layout(two_layers()), 0, 0, 5, 50).colors.size == 0
+    assert crop(layout(two_layers()), 45, 0, 50, 50).colors.size == 0
 
 
 def test_layers_share_the_top_left_corner():

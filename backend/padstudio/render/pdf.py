@@ -53,7 +53,8 @@ def write_pdf(pad: Pad, out: BinaryIO, *, ink: Ink = "rgb") -> None:
 def open_document(pad: Pad, out: BinaryIO, width_mm: float, height_mm: float, ink: Ink) -> Pen:
     """A document with pages of one size and the pad's metadata, and the pen that draws on them."""
     pen = open_canvas(out, width_mm, height_mm, ink)
-    pen.canvas.setTitle(pad.name)
+    # JSON allows half a surrogate pair, which no text in a PDF can hold.
+    pen.canvas.setTitle(pad.name.encode("utf-8", "replace").decode())
     pen.canvas.setSubject("Landing pad, true size: print without scaling")
     pen.canvas.setKeywords(json.dumps(describe(pad)))
     return pen
