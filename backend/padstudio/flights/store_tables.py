@@ -57,3 +57,24 @@ class TraceRow(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
     size_bytes: Mapped[int] = mapped_column(BigInteger)
     body: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
+class UploadRow(Base):
+    """An upload; its bytes are in ``uploads/partial/<id>``, or ``uploads/files/<sha256>``.
+
+    How far a partial one has come is the size of its file, which no database can know better.
+    """
+
+    __tablename__ = "uploads"
+
+    id: Mapped[str] = mapped_column(String(32), primary_key=True)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
+    name: Mapped[str] = mapped_column(String(200))
+    size_bytes: Mapped[int] = mapped_column(BigInteger)
+    #: When a partial upload is given up; None once it is complete.
+    expires_at: Mapped[datetime | None] = mapped_column(UtcDateTime, index=True)
+    #: Bytes from here on wait for their checksum; None where all are taken.
+    unverified_from: Mapped[int | None] = mapped_column(BigInteger)
+    sha256: Mapped[str | None] = mapped_column(String(64), index=True)
+    kind: Mapped[str | None] = mapped_column(String(20))
+    media_type: Mapped[str | None] = mapped_column(String(60))
