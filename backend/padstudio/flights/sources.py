@@ -33,7 +33,7 @@ def find_stills(sources: Iterable[str]) -> list[Path]:
                 f"{source}: no picture there; give existing files, folders or patterns",
                 code="no_such_file",
             )
-        found |= dict.fromkeys(sorted(some, key=_by_number))
+        found |= dict.fromkeys(sorted(some, key=lambda path: by_number(str(path))))
     return list(found)
 
 
@@ -54,6 +54,7 @@ def _is_picture(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES and path.is_file()
 
 
-def _by_number(path: Path) -> list[tuple[int, int, str]]:
-    parts = re.split(r"(\d+)", str(path))
+def by_number(name: str) -> list[tuple[int, int, str]]:
+    """Sorts names with the numbers in them by value: ``a2`` before ``a10``."""
+    parts = re.split(r"(\d+)", name)
     return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
