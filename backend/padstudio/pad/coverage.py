@@ -85,8 +85,8 @@ class ReadLimits:
 
 #: What the detector's methods need, as found in simulated daylight (docs/simulation.md).
 METHOD_LIMITS: dict[Method, ReadLimits] = {
-    "dense": ReadLimits(cell_px=4.3),
-    "paper": ReadLimits(cells_across=7.0, cell_px=12.0),
+    "dense": ReadLimits(cell_px=4.6),
+    "paper": ReadLimits(cells_across=6.5, cell_px=36.0),
 }
 
 
