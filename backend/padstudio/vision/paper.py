@@ -11,8 +11,9 @@ that refuse a pose: see `padstudio.vision.paper_decode` for what a pose has to s
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -21,6 +22,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.block_mean import block_mean, clean
 from padstudio.vision.corner_pose import uncertainty, unsure
+from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.outline import OutlinePose, find_outline, outline_pose
 from padstudio.vision.paper_decode import WindowDecoder, WindowRead
 from padstudio.vision.paper_edges import find_edge_map
@@ -41,6 +43,9 @@ from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import Region, find_regions
 from padstudio.vision.types import Detection, Image, StageFailure
 
+LayerName = Literal["red", "green", "blue", "outline"]
+
+# Failures in the order of how near they came to an answer.
 _ORDER = ("outline", "edges", "lines", "grid", "decode", "pose")
 
 
@@ -81,14 +86,18 @@ class Paper:
         stretch = recorder.run("stretch", None, find_stretch, pyramid)
         regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
         frame = _Frame(pyramid, camera, stretch, regions[0], recorder)
-        outline = self._outline(frame)
+        outline = self._from_outlines(frame, regions)
         if isinstance(outline, OutlinePose):
             # A whole sign is larger than any window of it, and the larger area wins.
             if recorder.keep:
-                recorder.append(self._explain(frame))
+                recorder.append(self._explain(replace(frame, region=outline.outline.region)))
             recorder.note("pose", None, outline)
-            return _from_outline(outline)
-        return self._from_windows(frame, outline)
+            return _detection(outline, "outline")
+        found = self._from_windows(frame, regions, outline)
+        if found.failure is None:
+            return found
+        suspect = Suspect(pyramid, camera, self.pad, stretch, regions)
+        return Detection(None, diagnose(suspect, found.failure))
 
     def _explain(self, frame: _Frame) -> Recorder:
         """For a trace: the stages that the result did not need."""
@@ -96,58 +105,58 @@ class Paper:
         self._read_channels(replace(frame, recorder=shown), next(self._levels(frame)), 1)
         return shown
 
-    def _outline(self, frame: _Frame) -> OutlinePose | StageFailure:
-        found = frame.recorder.run(
-            "outline", None, find_outline, frame.pyramid, frame.camera, self.pad, frame.region
-        )
+    def _from_outlines(
+        self, frame: _Frame, regions: Sequence[Region]
+    ) -> OutlinePose | StageFailure:
+        """The pose from the first region that is a whole sign; else why the likeliest is none."""
+        first: StageFailure | None = None
+        for region in regions:
+            found = self._from_outline(replace(frame, region=region))
+            if isinstance(found, OutlinePose):
+                return found
+            first = first or found
+        assert first is not None
+        return first
+
+    def _from_outline(self, frame: _Frame) -> OutlinePose | StageFailure:
+        run, limits = frame.recorder.run, self.params.paper
+        pyramid, camera = frame.pyramid, frame.camera
+        found = run("outline", None, find_outline, pyramid, camera, self.pad, frame.region)
         if isinstance(found, StageFailure):
             return found
-        posed = frame.recorder.run(
-            "outline",
-            None,
-            outline_pose,
-            found,
-            frame.pyramid,
-            frame.camera,
-            self.pad,
-            self.params.log10_false_alarm,
-        )
+        bound = self.params.log10_false_alarm
+        posed = run("outline", None, outline_pose, found, pyramid, camera, self.pad, bound)
         if isinstance(posed, StageFailure):
             return posed
         side_px = math.sqrt(cv2.contourArea(found.corners_xy.astype(np.float32)))
-        limits = self.params.paper
-        doubt = unsure(
-            posed.pose,
-            posed.covariance,
-            side_px,
-            limits.most_position_share,
-            limits.most_attitude_deg,
-        )
-        return doubt or posed
+        share, attitude_deg = limits.most_position_share, limits.most_attitude_deg
+        return unsure(posed.pose, posed.covariance, side_px, share, attitude_deg) or posed
 
-    def _from_windows(self, frame: _Frame, nearest: StageFailure) -> Detection:
+    def _from_windows(
+        self, frame: _Frame, regions: Sequence[Region], nearest: StageFailure
+    ) -> Detection:
+        """The pose from the first scale at which a window is read."""
         attempts = 0
-        for level in self._levels(frame):
-            attempts += len(self.decoders)
-            reads, failures = self._read_channels(frame, level, attempts)
-            for failure in failures:
-                nearest = _later(nearest, failure)
-            if not reads:
-                continue
-            choice = frame.recorder.run("choose", None, choose_larger, reads)
-            found = frame.recorder.run(
-                "pose",
-                None,
-                window_pose,
-                self.pad,
-                frame.camera,
-                choice.read,
-                self.params.paper,
-            )
-            if isinstance(found, WindowPose):
-                return _from_window(found)
-            nearest = _later(nearest, found)
+        # From near, the pad's colour falls apart into regions; then the whole frame is it.
+        for region in dict.fromkeys((regions[0], regions[-1])):
+            local = replace(frame, region=region)
+            for level in self._levels(local):
+                attempts += len(self.decoders)
+                found = self._from_window(local, level, attempts)
+                if isinstance(found, WindowPose):
+                    return _detection(found, found.read.layer.channel)
+                nearest = max(nearest, found, key=lambda failure: _ORDER.index(failure.stage))
         return Detection(None, nearest)
+
+    def _from_window(self, frame: _Frame, level: int, attempts: int) -> WindowPose | StageFailure:
+        reads, failures = self._read_channels(frame, level, attempts)
+        if not reads:
+            return max(failures, key=lambda failure: _ORDER.index(failure.stage))
+        choice = frame.recorder.run("choose", None, choose_larger, reads)
+        params = self.params.paper
+        return frame.recorder.run(
+            "pose", None, window_pose, self.pad, frame.camera, choice.read, params
+        )
 
     def _levels(self, frame: _Frame) -> Iterator[int]:
         """Scales of the frame, the coarser ones first: there lines are quick to find."""
@@ -199,29 +208,11 @@ class Paper:
         return run("lines", channel, find_line_grid, lines)
 
 
-def _later(a: StageFailure, b: StageFailure) -> StageFailure:
-    """The failure at the later stage: it came nearer to an answer."""
-    return b if _ORDER.index(b.stage) >= _ORDER.index(a.stage) else a
-
-
-def _from_window(found: WindowPose) -> Detection:
+def _detection(found: WindowPose | OutlinePose, layer: LayerName) -> Detection:
     evidence = found.read.evidence
     return Detection(
         pose=found.pose,
-        layer=found.read.layer.channel,
-        cells_read=evidence.read,
-        cells_wrong=evidence.wrong,
-        log10_false_alarm=evidence.log10_false_alarm,
-        reprojection_px=found.rms_px,
-        uncertainty=uncertainty(found.covariance),
-    )
-
-
-def _from_outline(found: OutlinePose) -> Detection:
-    evidence = found.read.evidence
-    return Detection(
-        pose=found.pose,
-        layer="outline",
+        layer=layer,
         cells_read=evidence.read,
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
