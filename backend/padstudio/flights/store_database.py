@@ -12,7 +12,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from padstudio.errors import StorageError
 
 #: The last of the revisions in `padstudio.flights.migrations`.
-NEWEST_REVISION = "0002"
+NEWEST_REVISION = "0003"
 # Alembic keeps its context in a module of its own: one migration at a time in a process.
 _migrating = threading.Lock()
 _MIGRATIONS = Path(__file__).parent / "migrations"
