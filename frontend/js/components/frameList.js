@@ -27,6 +27,7 @@ export function mountFrameList(root, { onSelect, onRemove }) {
       /** @type {HTMLElement} */ (item.querySelector(`[data-ref=${name}]`));
     item.dataset.id = frame.id;
     part("title").textContent = frame.name;
+    part("title").title = frame.name;
     part("open").addEventListener("click", () => onSelect(frame.id));
     part("remove").addEventListener("click", () => onRemove(frame.id));
     part("remove").setAttribute("aria-label", `Remove ${frame.name} from the list`);
@@ -56,7 +57,7 @@ export function mountFrameList(root, { onSelect, onRemove }) {
         item.querySelector("[data-ref=open]")?.setAttribute("aria-current", String(frame.id === selectedId));
         const note = /** @type {HTMLElement} */ (item.querySelector("[data-ref=note]"));
         const words = frameNote(frame);
-        if (note.textContent !== words) note.textContent = words;
+        if (note.textContent !== words) note.textContent = note.title = words;
       });
     },
   };
