@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 MAX_FIELD_OF_VIEW_DEG = 170.0
 MAX_PIXELS = 50_000_000
 _STEP = 16
+# A small frame bends as much from side to side as a large one.
+_INTERVALS = 64
 
 
 @lru_cache(maxsize=3)
@@ -35,7 +37,7 @@ def ray_map(camera: Camera) -> NDArray[np.float32]:
         If the lens model cannot be inverted over the whole frame.
     """
     check_lens(camera)
-    # Undistortion iterates; it is smooth enough to be interpolated between every 16th pixel.
+    # Undistortion iterates; it is smooth enough to be interpolated between knots.
     rows, row_weights = _cubic_weights(camera.height)
     cols, col_weights = _cubic_weights(camera.width)
     knots = np.stack(np.meshgrid(cols, rows), axis=-1).reshape(-1, 2)
@@ -115,7 +117,7 @@ def _fisheye_angle(camera: Camera, pixels: Array) -> float:
 
 def _cubic_weights(length: int) -> tuple[Array, Array]:
     """Knots over −1 … length, and the (length + 2, K) weights of cubic Lagrange interpolation."""
-    count = max(4, math.ceil((length + 1) / _STEP) + 1)
+    count = max(4, math.ceil((length + 1) / _STEP), min(_INTERVALS, length + 1)) + 1
     knots = np.linspace(-1.0, float(length), count)
     at = np.arange(-1.0, length + 1.0)
     position = (at + 1.0) / (knots[1] - knots[0])
