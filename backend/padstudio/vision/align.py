@@ -24,7 +24,7 @@ from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.motion import MovingPose, cross
 from padstudio.vision.planes import Box, Pyramid
-from padstudio.vision.refine import Fit, motion_prior
+from padstudio.vision.refine import Fit, MotionPrior
 from padstudio.vision.types import Array
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
@@ -87,7 +87,13 @@ class Pixels:
 
 
 def align(
-    pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose, *, motion: bool
+    pyramid: Pyramid,
+    camera: Camera,
+    pad: Pad,
+    start: MovingPose,
+    *,
+    motion: bool,
+    known: MovingPose | None = None,
 ) -> Fit | None:
     """Match the whole pad to the frame.
 
@@ -101,6 +107,8 @@ def align(
         Right to about a pixel.
     motion : bool
         Let the pose change within the frame.
+    known : MovingPose or None
+        A pose whose change within the frame this one's should be near to.
 
     Returns
     -------
@@ -112,7 +120,7 @@ def align(
         return None
     texture = _texture(pad, camera.focal_px / float(start.pose.position_mm[2]))
     size = 12 if motion else 6
-    match = _Match(pixels, texture, motion_prior(start, size), size)
+    match = _Match(pixels, texture, MotionPrior.of(start, known, size), size)
     pose = start if motion else MovingPose(start.pose)
     for _ in range(_ITERATIONS):
         step = match.step(pose)
@@ -217,7 +225,7 @@ class _Match:
     an even light or one that falls off: value = shading + Σ gain · layer.
     """
 
-    def __init__(self, pixels: Pixels, texture: Texture, prior: Array, size: int) -> None:
+    def __init__(self, pixels: Pixels, texture: Texture, prior: MotionPrior, size: int) -> None:
         self._pixels = pixels
         self._texture = texture
         self._prior = prior
@@ -236,8 +244,7 @@ class _Match:
         shown = [_look_up(self._texture, layer, points) for layer in self._texture.layers]
         gains = [value[:, None] * pixels.shade[:, :3] for value, _ in shown]
         linear = np.column_stack([pixels.shade, *gains]).astype(np.float32)
-        held = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[:size]
-        normal, right = np.diag(self._prior), -self._prior * held
+        normal, right = np.diag(self._prior.weight), self._prior.pull(pose)
         squares = slopes = 0.0
         for channel, values in pixels.values.items():
             residual, weight = self._residual(channel, linear, values)
@@ -257,7 +264,7 @@ class _Match:
             return None
         px_mm = self._texture.mm[0] * _OVERSAMPLING
         self.rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) / px_mm
-        return step if np.isfinite(step).all() else None
+        return np.asarray(step, float) if np.isfinite(step).all() else None
 
     def _residual(
         self, channel: Channel, linear: NDArray[np.float32], values: Array

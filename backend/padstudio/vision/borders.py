@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,9 +13,10 @@ from padstudio.vision.motion import MovingPose
 from padstudio.vision.planes import Plane
 from padstudio.vision.types import Array
 
-# Positions along a profile, in units of its reach, and lines side by side that are averaged.
-_STEPS = np.linspace(-1, 1, 13)
-_BESIDE = np.array([-0.25, 0.0, 0.25])
+# Profiles are averaged over lines to this share of half a cell on either side.
+_BESIDE = 0.5
+# A step of so many grey values is fully trusted.
+_CLEAR_STEP = 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,52 +131,36 @@ def measure(
     reach_px : float
         Half length of a profile, plane pixels; never more than 0.42 of a cell.
     """
+    from padstudio.vision import kernels
+
     middle = pose.project(camera, borders.points_mm)
     side = pose.project(camera, borders.points_mm + 0.2 * borders.along_mm) - middle
     cell = (pose.project(camera, borders.points_mm + 0.05 * borders.across_mm) - middle) * 20
-    size = np.linalg.norm(cell, axis=1)
-    tangent = side / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+    size = np.hypot(cell[:, 0], cell[:, 1])
+    tangent = side / np.maximum(np.hypot(side[:, 0], side[:, 1]), 1e-9)[:, None]
     normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-    normal *= np.sign((normal * cell).sum(axis=1, keepdims=True))
-    depth = np.abs((normal * cell).sum(axis=1))
-    reach = np.minimum(reach_px * plane.pixel, 0.42 * depth)
-    values = _profiles(plane, middle, normal * reach[:, None], side * 5)
-    slope = np.diff(values, axis=1) * np.sign(borders.step)[:, None]
-    rising = np.maximum(slope, 0)
-    power = rising * rising
-    centre = (_STEPS[:-1] + _STEPS[1:]) / 2
-    total = power.sum(axis=1)
-    shift = (power @ centre) / np.maximum(total, 1e-9) * reach
-    spent = np.abs(slope).sum(axis=1)
-    clean = rising.sum(axis=1) / np.maximum(spent, 1e-9)
+    depth = normal[:, 0] * cell[:, 0] + normal[:, 1] * cell[:, 1]
+    normal *= np.sign(depth)[:, None]
+    reach = np.minimum(reach_px * plane.pixel, 0.42 * np.abs(depth))
     inside = _inside(plane, middle, reach, size)
-    weight = np.where(inside & (spent > 0), np.clip(2 * clean - 1, 0, 1) ** 2, 0)
-    weight = weight * np.clip(rising.sum(axis=1) / 6.0, 0, 1)
+    which = np.flatnonzero(inside)
+    middle, normal, reach = middle[which], normal[which], reach[which]
+    found = kernels.find_steps(
+        plane.values,
+        plane.from_frame(middle),
+        normal * (reach / plane.pixel)[:, None],
+        side[which] * (_BESIDE * 5 / plane.pixel),
+        np.sign(borders.step[which]),
+    )
+    shift, rise, spent = found.T
+    clean = np.clip(2 * rise / np.maximum(spent, 1e-9) - 1, 0, 1)
+    weight = clean * clean * np.clip(rise / _CLEAR_STEP, 0, 1)
     keep = weight > 0.05
     return Measured(
-        borders.take(np.flatnonzero(keep)),
-        (middle + normal * shift[:, None])[keep],
+        borders.take(which[keep]),
+        (middle + normal * (shift * reach)[:, None])[keep],
         weight[keep],
     )
-
-
-def _profiles(plane: Plane, middle: Array, reach: Array, half_side: Array) -> Array:
-    """Grey values (N, 13) along profiles, averaged over lines beside each other."""
-    at = (
-        middle[:, None, None, :]
-        + half_side[:, None, None, :] * (2 * _BESIDE[None, :, None, None])
-        + reach[:, None, None, :] * _STEPS[None, None, :, None]
-    )
-    local = plane.from_frame(at.reshape(-1, 2)).astype(np.float32)
-    shape = (len(middle) * len(_BESIDE), len(_STEPS))
-    values = cv2.remap(
-        plane.values,
-        local[:, 0].reshape(shape),
-        local[:, 1].reshape(shape),
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
-    return np.asarray(values.reshape(len(middle), len(_BESIDE), -1).mean(axis=1), float)
 
 
 def _inside(plane: Plane, middle: Array, reach: Array, size: Array) -> NDArray[np.bool_]:

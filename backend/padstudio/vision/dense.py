@@ -24,6 +24,7 @@ from padstudio.vision.prepare import denoised, find_denoise, find_stretch
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import find_regions
 from padstudio.vision.search import Miss, Search, Sighting, sightings
+from padstudio.vision.tracker import Expectation
 from padstudio.vision.types import (
     Detection,
     Image,
@@ -91,17 +92,20 @@ class Dense:
         places = len(frame.lattices) * len(self.indices)
         refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, places)
         good_mm = found.placement.layer.cell_mm
-        measurement = recorder.run("pose", None, _best_of, refiner, starts, good_mm)
+        measurement = recorder.run(
+            "pose", None, _best_of, refiner, [MovingPose(p) for p in starts], good_mm
+        )
         return self._judge(refiner, measurement, recorder)
 
-    def follow(self, bgr: Image, expected: Pose, recorder: Recorder) -> Detection:
+    def follow(self, bgr: Image, expected: Expectation, recorder: Recorder) -> Detection:
         """Find the pad near an expected pose; fails where the picture does not bear it out.
 
         A near miss must not pass for a lock, so every layer that can be read has to agree.
         """
         pyramid, camera = self._prepare(bgr, recorder)
-        refiner = Refiner(pyramid, camera, self.pad, self.params, 1)
-        measurement = recorder.run("pose", None, _best_of, refiner, [expected], np.inf)
+        motion = expected.pose if expected.known else None
+        refiner = Refiner(pyramid, camera, self.pad, self.params, 1, motion)
+        measurement = recorder.run("pose", None, _best_of, refiner, [expected.pose], np.inf)
         detection, reads = self._judge(refiner, measurement, recorder)
         for read in reads:
             readable = read.cells.cell_px >= _READABLE_PX and read.evidence.read >= _ENOUGH
@@ -159,11 +163,9 @@ class Dense:
         return _detection(measurement, choice), reads
 
 
-def _best_of(refiner: Refiner, starts: list[Pose], good_mm: float) -> Measurement | None:
+def _best_of(refiner: Refiner, starts: list[MovingPose], good_mm: float) -> Measurement | None:
     """Refine from the start whose few borders fit best."""
-    settled = [
-        rungs for rungs in (refiner.settle(MovingPose(start), good_mm) for start in starts) if rungs
-    ]
+    settled = [rungs for rungs in (refiner.settle(start, good_mm) for start in starts) if rungs]
     settled.sort(key=lambda rungs: (rungs[-1].layer.cell_mm, rungs[-1].rms_px))
     if not settled:
         return None
@@ -178,7 +180,7 @@ def _unfit(measurement: Measurement | None) -> StageFailure | None:
         detail = "no layer's borders stand where the first pose puts them"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
     residual, cell = measurement.fit.rms_px, measurement.cell_px
-    if residual > _MOST_RESIDUAL * cell + 0.5:
+    if residual > _MOST_RESIDUAL * cell + 1.0:
         detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
     return None
@@ -196,4 +198,6 @@ def _detection(measurement: Measurement, choice: Choice) -> Detection:
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
         uncertainty=Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance),
+        shift_mm=fit.pose.shift_mm,
+        turn_rad=fit.pose.turn,
     )

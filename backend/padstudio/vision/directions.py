@@ -132,7 +132,7 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     return kept[:_STARTS]
 
 
-def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.complex64], Array]:
+def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.complex128], Array]:
     """Mean of exp(4i·angle on the plane) for each normal, and the planes' first axes.
 
     Each edge is weighted by how much the plane's angle turns for a turn in the picture, so that
@@ -140,21 +140,11 @@ def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.co
     a few heavy edges cannot win. Near edges count for more, as cells shrink with distance, and a
     plane that most edges cannot lie on, being behind the camera there, loses their share.
     """
+    from padstudio.vision import kernels
+
     first = np.array([1.0, 0.0, 0.0]) - normals * normals[:, :1]
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(normals, first)
-    turn = (-(lines @ second.T) + 1j * (lines @ first.T)).astype(np.complex64)
-    size2 = (turn.real**2 + turn.imag**2).clip(1e-9)
-    depth = (rays @ normals.T).astype(np.float32)
-    front = (depth > _LEAST_DEPTH).mean(axis=0)
-    np.maximum(depth, 0, out=depth)
-    near = (depth / depth.max(axis=0).clip(1e-3)) ** 2
-    weight = np.minimum(depth / size2, _MOST_WEIGHT)
-    turn *= turn
-    turn *= turn
-    turn *= near * weight / (size2 * size2)
-    norm = np.sqrt((near * weight * weight).sum(axis=0) * near.sum(axis=0)).clip(1e-9)
-    return front * turn.sum(axis=0) / norm, first
+    return kernels.coherence(normals, lines, rays, first, _MOST_WEIGHT, _LEAST_DEPTH), first
 
 
 def _distinct(normals: Array, score: Array) -> list[Array]:

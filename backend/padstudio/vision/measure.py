@@ -107,6 +107,8 @@ class Refiner:
     params : DetectorParams
     places : int
         Among how many places of the pad the first pose was chosen; it weakens the evidence.
+    motion : MovingPose or None
+        A pose whose change within the frame is known.
     """
 
     pyramid: Pyramid
@@ -114,6 +116,7 @@ class Refiner:
     pad: Pad
     params: DetectorParams
     places: int
+    motion: MovingPose | None = None
 
     def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
         """Readable layers, the coarse ones first, each with the pose that it led to.
@@ -163,20 +166,34 @@ class Refiner:
         """The best pose for a rung: by the whole pattern from afar, else by all borders."""
         finest = min(layer.cell_mm for layer in self.pad.layers)
         if rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px:
-            still = align(self.pyramid, self.camera, self.pad, rung.pose, motion=False)
-            if still is not None:
-                moving = None
-                if self.params.refine.motion:
-                    moving = align(self.pyramid, self.camera, self.pad, still.pose, motion=True)
-                return replace(better_of(still, moving), inliers=np.ones(len(measured.xy), bool))
+            fit = self._align(rung.pose)
+            if fit is not None:
+                return replace(fit, inliers=np.ones(len(measured.xy), bool))
         fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
         if fit is None:
             return None
         motion = not fit.pose.still
-        return fit_pose(fit.pose, measured, self.camera, motion=motion, iterations=2) or fit
+        full = fit_pose(
+            fit.pose, measured, self.camera, motion=motion, iterations=2, known=self.motion
+        )
+        return full or fit
+
+    def _align(self, start: MovingPose) -> Fit | None:
+        """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
+        pyramid, camera, pad = self.pyramid, self.camera, self.pad
+        if self.motion is not None and self.params.refine.motion:
+            return align(pyramid, camera, pad, start, motion=True, known=self.motion)
+        still = align(pyramid, camera, pad, start, motion=False)
+        if still is None or not self.params.refine.motion:
+            return still
+        return better_of(still, align(pyramid, camera, pad, still.pose, motion=True))
 
     def _fit(self, start: MovingPose, measured: Measured, *, iterations: int) -> Fit | None:
-        """A still fit, or a moving one where the residuals ask for it."""
+        """A still fit, or a moving one where its motion is known or the residuals ask for it."""
+        if self.motion is not None and self.params.refine.motion:
+            return fit_pose(
+                start, measured, self.camera, motion=True, iterations=iterations, known=self.motion
+            )
         fit = fit_pose(start, measured, self.camera, motion=False, iterations=iterations)
         if fit is None or not self.params.refine.motion:
             return fit

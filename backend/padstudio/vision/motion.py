@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -38,10 +39,10 @@ class MovingPose:
     shift_mm: Array = field(default_factory=lambda: np.zeros(3))
     turn: Array = field(default_factory=lambda: np.zeros(3))
 
-    @property
+    @cached_property
     def still(self) -> bool:
         """True where nothing changes during the frame."""
-        return not (np.any(self.shift_mm) or np.any(self.turn))
+        return not (self.shift_mm.any() or self.turn.any())
 
     def to_camera(self, points_mm: Array, moment: Array | float = 0.0) -> Array:
         """Pad points (N, 3) in the camera frame of given moments, −0.5 … 0.5 of the frame."""
@@ -58,6 +59,8 @@ class MovingPose:
 
     def project(self, camera: Camera, points_mm: Array) -> Array:
         """Frame pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
+        if camera.model == "radtan":
+            return self._project_radtan(camera, points_mm)
         seen = self.to_camera(points_mm)
         pixels = _project(camera, seen)
         if self.still:
@@ -67,6 +70,23 @@ class MovingPose:
             moment = np.clip(self.moment(camera, np.nan_to_num(pixels[:, 1])), -0.6, 0.6)
             pixels = _project(camera, self.to_camera(points_mm, moment))
         return pixels
+
+    def _project_radtan(self, camera: Camera, points_mm: Array) -> Array:
+        from padstudio.vision import kernels
+
+        lens = np.zeros(8)
+        lens[: len(camera.distortion)] = camera.distortion
+        return kernels.project(
+            np.ascontiguousarray(points_mm, float),
+            np.ascontiguousarray(self.pose.rotation),
+            self.pose.position_mm,
+            self.shift_mm,
+            self.turn,
+            camera.matrix,
+            lens,
+            camera.height,
+            1 if self.still else 3,
+        )
 
     def moved(self, step: Array) -> MovingPose:
         """The pose after a step of 6 or 12: centre (mm, pad), turn (camera), and their changes."""

@@ -9,12 +9,12 @@ import numpy as np
 
 from padstudio.errors import ImageError
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
 from padstudio.vision.dense import Dense
 from padstudio.vision.paper import Paper
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.recorder import Recorder
+from padstudio.vision.tracker import Tracker
 from padstudio.vision.types import Detection, Image, Method
 
 
@@ -77,28 +77,19 @@ class Detector:
         The cells are compared with the pad in every frame, so a lock that slips is noticed, and
         the frame is then looked at as a still. The paper's method looks at every frame so.
         """
-        past: list[Pose] = []
+        tracker = Tracker()
         for bgr in frames:
+            expected = tracker.expect() if self._paper is None else None
             detection = None
-            if past and self._paper is None:
+            if expected is not None:
                 _check(bgr)
                 recorder = Recorder(keep=trace)
-                followed = self._dense.follow(bgr, _expected(past), recorder)
+                followed = self._dense.follow(bgr, expected, recorder)
                 detection = _finish(followed, bgr, recorder)
             if detection is None or not detection.ok:
                 detection = self.detect(bgr, trace=trace)
-            past = [*past[-1:], detection.pose] if detection.pose else []
+            tracker.learn(detection)
             yield detection
-
-
-def _expected(past: list[Pose]) -> Pose:
-    """The next pose if the camera moves on as it did between the last two frames."""
-    last = past[-1]
-    if len(past) < 2:
-        return last
-    before = past[-2]
-    turn = before.rotation.T @ last.rotation
-    return Pose(2 * last.position_mm - before.position_mm, last.rotation @ turn)
 
 
 def _check(bgr: Image) -> None:

@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.vision.borders import Measured
-from padstudio.vision.motion import MovingPose, cross
+from padstudio.vision.motion import MovingPose
 from padstudio.vision.types import Array
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
 # of attitude in radians. A landing drone's 0.5 m/s at 2 m and 10°/s in 20 ms are of this size.
 # Change of height looks like tilt to a rolling shutter, so its bound is what keeps them apart.
 _SHIFT_SIGMA, _CLIMB_SIGMA, _TURN_SIGMA = 0.005, 0.0005, 0.004
+# A known motion is held to this many times more tightly, in variances.
+_KNOWN_MOTION = 4.0
 # The moving model must lower the sum of squares by this many variances, six being free.
 _MOTION_GAIN = 40.0
 
@@ -47,7 +49,13 @@ class Fit:
 
 
 def fit_pose(
-    start: MovingPose, measured: Measured, camera: Camera, *, motion: bool, iterations: int = 4
+    start: MovingPose,
+    measured: Measured,
+    camera: Camera,
+    *,
+    motion: bool,
+    iterations: int = 4,
+    known: MovingPose | None = None,
 ) -> Fit | None:
     """Fit a pose to measured borders by robust Gauss–Newton.
 
@@ -59,36 +67,38 @@ def fit_pose(
     motion : bool
         Let the pose change within the frame.
     iterations : int
+    known : MovingPose or None
+        A pose whose change within the frame this one's should be near to.
 
     Returns
     -------
     Fit or None
         None where fewer than twelve borders were measured, or they leave the pose undetermined.
     """
+    from padstudio.vision import kernels
+
     if len(measured.xy) < 12:
         return None
-    rays = np.column_stack([camera.normalize(measured.xy), np.ones(len(measured.xy))])
+    rays = camera.normalize(measured.xy)
     moment = start.moment(camera, measured.xy[:, 1])
     size = 12 if motion else 6
-    prior = motion_prior(start, size)
+    prior = MotionPrior.of(start, known, size)
     pose, sigma = (start if motion else MovingPose(start.pose)), 1.0
+    normal = np.eye(size)
     for _ in range(iterations):
-        residual, jacobian = _linearize(pose, measured, rays, moment, size)
-        residual, jacobian = residual * camera.focal_px, jacobian * camera.focal_px
-        sigma = _scale(residual, measured.weight)
-        robust = measured.weight / (1 + (residual / (2.5 * sigma)) ** 2) ** 2
-        held = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[:size]
-        normal = (jacobian * robust[:, None]).T @ jacobian / sigma**2 + np.diag(prior)
-        right = (jacobian * robust[:, None]).T @ residual / sigma**2 - prior * held
+        rows = _linearize(pose, measured, rays, moment, camera.focal_px)
+        sigma = _scale(rows[:, 0], measured.weight)
+        trust = measured.weight / (1 + (rows[:, 0] / (2.5 * sigma)) ** 2) ** 2
+        normal, right = kernels.normal_equations(rows, moment, trust / sigma**2, size)
+        normal += np.diag(prior.weight)
         try:
-            step = np.linalg.solve(normal, right)
+            step = np.asarray(np.linalg.solve(normal, right + prior.pull(pose)), float)
         except np.linalg.LinAlgError:
             return None
         if not np.isfinite(step).all():
             return None
         pose = pose.moved(step)
-    residual, _ = _linearize(pose, measured, rays, moment, size)
-    residual = residual * camera.focal_px
+    residual = _linearize(pose, measured, rays, moment, camera.focal_px)[:, 0]
     inliers = np.abs(residual) < 4 * sigma
     if inliers.sum() < 10:
         return None
@@ -107,42 +117,70 @@ def better_of(still: Fit, moving: Fit | None) -> Fit:
     return moving if gain > _MOTION_GAIN else still
 
 
-def motion_prior(start: MovingPose, size: int) -> Array:
-    """Inverse variances of the parameters; none for the pose itself."""
-    height = max(abs(float(start.pose.position_mm[2])), 1.0)
-    prior = np.zeros(12)
-    prior[6:8] = 1 / (_SHIFT_SIGMA * height) ** 2
-    prior[8] = 1 / (_CLIMB_SIGMA * height) ** 2
-    prior[9:12] = 1 / _TURN_SIGMA**2
-    return prior[:size]
+@dataclass(frozen=True, eq=False)
+class MotionPrior:
+    """What is known beforehand of the change within a frame; nothing is of the pose itself.
+
+    Attributes
+    ----------
+    weight : (6,) or (12,) float64
+        Inverse variances of the parameters.
+    expected : (6,) or (12,) float64
+    """
+
+    weight: Array
+    expected: Array
+
+    @classmethod
+    def of(cls, start: MovingPose, known: MovingPose | None, size: int) -> MotionPrior:
+        """The prior at a height, round no motion or a known one."""
+        height = max(abs(float(start.pose.position_mm[2])), 1.0)
+        weight, expected = np.zeros(12), np.zeros(12)
+        weight[6:8] = 1 / (_SHIFT_SIGMA * height) ** 2
+        weight[8] = 1 / (_CLIMB_SIGMA * height) ** 2
+        weight[9:12] = 1 / _TURN_SIGMA**2
+        if known is not None:
+            weight *= _KNOWN_MOTION
+            expected[6:9], expected[9:] = known.shift_mm, known.turn
+        return cls(weight[:size], expected[:size])
+
+    def pull(self, pose: MovingPose) -> Array:
+        """The prior's part of the right side of the normal equations."""
+        now = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[: len(self.weight)]
+        return np.asarray(self.weight * (self.expected - now))
 
 
 def _linearize(
-    pose: MovingPose, measured: Measured, rays: Array, moment: Array, size: int
-) -> tuple[Array, Array]:
-    """Distances of measured points from predicted borders, and their change with the pose."""
-    b = measured.borders
-    p = pose.to_camera(b.points_mm, moment)
-    q = pose.to_camera(b.points_mm + 0.2 * b.along_mm, moment)
-    x = p[:, :2] / p[:, 2:]
-    along = q[:, :2] / q[:, 2:] - x
-    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-15)
-    residual = ((rays[:, :2] - x) * normal).sum(axis=1)
-    # d(x)/d(p), dotted with the normal.
-    gradient = np.column_stack([normal, -(normal * x).sum(axis=1)]) / p[:, 2:]
-    # p = Rᵀ(P − C) gives dp/dC = −Rᵀ; a turn w of the camera gives dp = −w × p.
-    by_centre = -gradient @ pose.pose.rotation.T
-    by_turn = -cross(p, gradient)
-    jacobian = np.column_stack([by_centre, by_turn])
-    if size == 12:
-        jacobian = np.column_stack([jacobian, moment[:, None] * jacobian])
-    return residual, jacobian
+    pose: MovingPose, measured: Measured, rays: Array, moment: Array, focal_px: float
+) -> Array:
+    """Distances of measured points from predicted borders, px, and their change with the pose.
+
+    With p the border's point in the camera frame, x = p/z its picture and n the normal of the
+    border's picture, the distance is (ray − x)·n. From p = Rᵀ(P − C) follow dp/dC = −Rᵀ and, for a
+    turn w of the camera, dp = −w × p.
+
+    Returns
+    -------
+    (N, 7) float64
+        Distance, then its change with the centre (mm, pad) and the turn (radians, camera).
+    """
+    from padstudio.vision import kernels
+
+    rows = kernels.linearize(
+        measured.borders.points_mm,
+        measured.borders.along_mm,
+        rays,
+        moment,
+        np.ascontiguousarray(pose.pose.rotation),
+        pose.pose.position_mm,
+        pose.shift_mm,
+        pose.turn,
+    )
+    return rows * focal_px
 
 
 def _scale(residual: Array, weight: Array) -> float:
-    """Robust standard deviation: the weighted median of |residual| over 0.6745."""
-    order = np.argsort(np.abs(residual))
-    total = np.cumsum(weight[order])
-    middle = int(np.searchsorted(total, total[-1] / 2))
-    return max(float(np.abs(residual)[order[middle]]) / 0.6745, 1e-3)
+    """Robust standard deviation: the median of |residual| of trusted points over 0.6745."""
+    size = np.abs(residual[weight > 0.3 * weight.max()])
+    middle = len(size) // 2
+    return max(float(np.partition(size, middle)[middle]) / 0.6745, 1e-3)

@@ -164,6 +164,9 @@ class Detection:
     reprojection_px : float
         Root mean square of the residuals, pixels of the frame.
     uncertainty : Uncertainty or None
+    shift_mm, turn_rad : (3,) float64 or None
+        Change of the camera's centre (pad frame) and attitude (rotation vector, camera frame)
+        while a rolling shutter read the frame, from its first row to its last.
     elapsed_ms : mapping
         Milliseconds per stage (summed over channels) and ``total``.
     trace : Trace or None
@@ -177,6 +180,8 @@ class Detection:
     log10_false_alarm: float = 0.0
     reprojection_px: float = 0.0
     uncertainty: Uncertainty | None = None
+    shift_mm: Array | None = None
+    turn_rad: Array | None = None
     elapsed_ms: Mapping[str, float] = field(default_factory=dict)
     trace: Trace | None = None
 

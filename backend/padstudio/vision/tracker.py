@@ -1,0 +1,109 @@
+"""Following a pad through a video: what the next frame should show.
+
+The camera is expected to move on as it did between the last two frames. A rolling shutter reads
+the frame while that happens; how much of the time between two frames its reading takes is a
+property of the camera, learnt from the frames in which the motion shows. Once known, it tells how
+the pose changes within a frame, above all in height, which no single frame can tell from tilt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from padstudio.geometry.pose import Pose
+from padstudio.vision.motion import MovingPose
+from padstudio.vision.types import Array, Detection
+
+# Sums of the share's least squares are forgotten by this factor a frame.
+_MEMORY = 0.98
+# The share is used once it is known to about this.
+_KNOWN = 0.08
+_LEAST_FRAMES = 4
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """What the next frame should show.
+
+    Attributes
+    ----------
+    pose : MovingPose
+    known : bool
+        True where its change within the frame is known rather than guessed at zero.
+    """
+
+    pose: MovingPose
+    known: bool
+
+
+class Tracker:
+    """Learns from detections, frame by frame."""
+
+    def __init__(self) -> None:
+        self._past: list[Pose] = []
+        self._weight = self._product = self._misfit = 0.0
+        self._frames = 0
+
+    def expect(self) -> Expectation | None:
+        """The next frame's pose, or None after a frame without one."""
+        if not self._past:
+            return None
+        last = self._past[-1]
+        if len(self._past) < 2:
+            return Expectation(MovingPose(last), known=False)
+        shift, turn = _step(self._past[-2], last)
+        pose = Pose(last.position_mm + shift, last.rotation @ _rotation(turn))
+        share = self._share()
+        if share is None:
+            return Expectation(MovingPose(pose), known=False)
+        return Expectation(MovingPose(pose, share * shift, share * turn), known=True)
+
+    def learn(self, detection: Detection) -> None:
+        """Take a frame's detection into account."""
+        if detection.pose is None:
+            self._past = []
+            return
+        if self._past and detection.shift_mm is not None and detection.turn_rad is not None:
+            self._compare(detection.pose, detection.shift_mm, detection.turn_rad)
+        self._past = [*self._past[-1:], detection.pose]
+
+    def _compare(self, pose: Pose, shift_mm: Array, turn_rad: Array) -> None:
+        """Least squares for the share: motion within the frame over motion between frames."""
+        between = _apparent(pose, *_step(self._past[-1], pose))
+        within = _apparent(pose, shift_mm, turn_rad)
+        self._weight = _MEMORY * self._weight + float(between @ between)
+        self._product = _MEMORY * self._product + float(between @ within)
+        self._misfit = _MEMORY * self._misfit + float(within @ within)
+        self._frames += 1
+
+    def _share(self) -> float | None:
+        if self._frames < _LEAST_FRAMES or self._weight <= 0:
+            return None
+        share = self._product / self._weight
+        left = max(self._misfit - share * self._product, 0.0)
+        spread = np.sqrt(left / self._weight / max(min(self._frames, 50) - 1, 1))
+        return float(np.clip(share, 0.0, 1.0)) if spread < _KNOWN else None
+
+
+def _step(before: Pose, after: Pose) -> tuple[Array, Array]:
+    """Change of centre (mm, pad frame) and of attitude (rotation vector, camera frame)."""
+    turn = np.asarray(cv2.Rodrigues(before.rotation.T @ after.rotation)[0], float).ravel()
+    return after.position_mm - before.position_mm, turn
+
+
+def _rotation(turn: Array) -> Array:
+    return np.asarray(cv2.Rodrigues(turn)[0], float)
+
+
+def _apparent(pose: Pose, shift_mm: Array, turn: Array) -> Array:
+    """Shift on the plane z = 1 of what lies amid the picture, (2,), for a change of pose.
+
+    Sideways motion and turns look alike there, and their sum is what a frame shows best.
+    """
+    forward = pose.rotation[:, 2]
+    depth = -pose.position_mm[2] / min(forward[2], -1e-3)
+    sideways = pose.rotation.T @ shift_mm / depth
+    return np.array([-sideways[0] - turn[1], -sideways[1] + turn[0]])
