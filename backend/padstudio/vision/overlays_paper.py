@@ -35,10 +35,9 @@ def _paint_edges(trace: Trace, output: EdgeMap, channel: Channel | None) -> Imag
 
 def _paint_merged(trace: Trace, output: Lines, channel: Channel | None) -> Image:
     picture = drawing.dim(drawing.gray(output.edges.plane.values))
-    for start, end in output.segments:
-        drawing.segment(picture, start, end, drawing.SECOND)
-    for start, end in output.ends:
-        drawing.segment(picture, start, end, drawing.FIRST)
+    for pieces, color in ((output.segments, drawing.SECOND), (output.ends, drawing.FIRST)):
+        for start, end in pieces:
+            _stroke(picture, output.edges, start, end, color)
     return picture
 
 
@@ -46,7 +45,7 @@ def _paint_line_grid(trace: Trace, output: LineGrid, channel: Channel | None) ->
     """Families in two colours, inserted lines dashed, dropped ones grey."""
     picture = drawing.dim(drawing.gray(output.found.edges.plane.values))
     for start, end in output.found.ends[~output.kept]:
-        drawing.segment(picture, start, end, _DROPPED)
+        _stroke(picture, output.found.edges, start, end, _DROPPED)
     _draw_families(picture, output)
     return picture
 
@@ -58,10 +57,7 @@ def _draw_families(picture: Image, grid: LineGrid) -> None:
     ):
         for line, inserted in zip(family.lines, family.inserted, strict=True):
             start, end = _between(line, other)
-            if inserted:
-                _dashed(picture, start, end, color)
-            else:
-                drawing.segment(picture, start, end, color)
+            _stroke(picture, grid.found.edges, start, end, color, dashed=bool(inserted))
 
 
 def _between(line: Array, other: Family) -> tuple[Array, Array]:
@@ -70,11 +66,20 @@ def _between(line: Array, other: Family) -> tuple[Array, Array]:
     return ends[0, :2] / ends[0, 2], ends[1, :2] / ends[1, 2]
 
 
-def _dashed(picture: Image, start: Array, end: Array, color: drawing.Color) -> None:
+def _stroke(
+    picture: Image,
+    edges: EdgeMap,
+    start: Array,
+    end: Array,
+    color: drawing.Color,
+    *,
+    dashed: bool = False,
+) -> None:
+    """Draw a line that is straight without the lens's distortion."""
     length = float(np.linalg.norm(end - start))
     count = int(np.clip(length / _DASH_PX, 2, 400)) // 2 * 2 + 1
-    stops = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)
-    for k in range(0, count, 2):
+    stops = edges.bend(start + np.linspace(0, 1, count + 1)[:, None] * (end - start))
+    for k in range(0, count, 2 if dashed else 1):
         drawing.segment(picture, stops[k], stops[k + 1], color)
 
 

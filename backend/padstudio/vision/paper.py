@@ -199,7 +199,9 @@ class Paper:
         run, params, channel = frame.recorder.run, self.params.paper, plane.channel
         binary = run("block_mean", channel, block_mean, plane, params.blocks)
         cleaned = run("clean", channel, clean, binary, params.speck_px)
-        edges = run("edges", channel, find_edge_map, cleaned, frame.region, self.pad.levels)
+        edges = run(
+            "edges", channel, find_edge_map, cleaned, frame.region, frame.camera, self.pad.levels
+        )
         if isinstance(edges, StageFailure):
             return edges
         lines = run("lines", channel, find_merged_lines, edges)

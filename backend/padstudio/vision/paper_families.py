@@ -36,9 +36,10 @@ class Family:
     first : int
         Lattice coordinate of the first line; the others follow one by one.
     lines : (K, 3) float64
-        Unit normal and offset, plane pixels.
+        Unit normal and offset, plane pixels of a lens without distortion: all where the fit has
+        them, which by far is better than where a line with few edges was found.
     inserted : (K,) bool
-        True where no line was found and the fit tells where it must be.
+        True where no line was found.
     """
 
     first: int
@@ -60,7 +61,8 @@ class LineGrid:
     columns, rows : Family
         Lines of constant column, and of constant row; right-handed as the picture is.
     lattice_from_plane : (3, 3) float64
-        Takes homogeneous plane pixels to lattice coordinates (column, row, 1), up to scale.
+        Takes homogeneous plane pixels, undistorted, to lattice coordinates (column, row, 1), up
+        to scale.
     rms_px : float
         Root mean square distance of the lines' ends from the fit, plane pixels.
     found : Lines
@@ -210,7 +212,7 @@ def _grid(
         for k in np.flatnonzero(np.isfinite(numbers[axis])):
             line = _line(upright, axis, float(numbers[axis, k]))
             distances.append(found.ends[k] @ line[:2] + line[2])
-    families = [_family(upright, axis, numbers[axis], found) for axis in (0, 1)]
+    families = [_family(upright, axis, numbers[axis]) for axis in (0, 1)]
     rms = float(np.sqrt(np.mean(np.square(distances))))
     return LineGrid(families[0], families[1], upright, rms, found, kept)
 
@@ -235,21 +237,12 @@ def _line(fit: Array, axis: int, number: float) -> Array:
     return np.asarray(line / np.linalg.norm(line[:2]), float)
 
 
-def _family(fit: Array, axis: int, numbers: Array, found: Lines) -> Family:
-    """One line a number: the best supported one, or where none is, the one the fit asks for."""
-    first, last = int(np.nanmin(numbers)), int(np.nanmax(numbers))
-    lines, inserted = [], []
-    all_lines = found.homogeneous
-    for number in range(first, last + 1):
-        wanted = _line(fit, axis, number)
-        here = np.flatnonzero(numbers == number)
-        if len(here):
-            line = all_lines[here[np.argmax(found.support[here])]]
-            lines.append(line * np.sign(line[:2] @ wanted[:2]))
-        else:
-            lines.append(wanted)
-        inserted.append(not len(here))
-    return Family(first, np.array(lines), np.array(inserted))
+def _family(fit: Array, axis: int, numbers: Array) -> Family:
+    """All lines from a family's first to its last, where the fit has them."""
+    known = np.unique(numbers[np.isfinite(numbers)])
+    every = np.arange(known[0], known[-1] + 1)
+    lines = np.array([_line(fit, axis, number) for number in every])
+    return Family(int(known[0]), lines, ~np.isin(every, known))
 
 
 def _too_few(found: Lines, why: str) -> StageFailure:

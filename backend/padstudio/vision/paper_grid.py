@@ -57,7 +57,7 @@ class CentralWindow:
         ahead = h[:, 2] * (plane_from_lattice[2] @ middle) > 0
         local = np.full((len(h), 2), np.nan)
         local[ahead] = h[ahead, :2] / h[ahead, 2:]
-        return self.plane.to_frame(local)
+        return self.plane.to_frame(self.grid.found.edges.bend(local))
 
 
 def central_window(grid: LineGrid, size: int) -> CentralWindow | StageFailure:
@@ -85,21 +85,19 @@ def central_window(grid: LineGrid, size: int) -> CentralWindow | StageFailure:
             "fly higher, or print smaller cells",
         )
     starts = [(count - size - 1) // 2 for count in counts]
-    plane = grid.found.edges.plane
+    edges = grid.found.edges
+    plane = edges.plane
     centre = np.mean([_cross(u, v) for u in _middle(families[0]) for v in _middle(families[1])], 0)
     left, right = (families[0].lines[starts[0] + k] for k in (0, size))
     top, bottom = (families[1].lines[starts[1] + k] for k in (0, size))
-    corners = plane.to_frame(
-        np.array(
-            [_cross(left, top), _cross(right, top), _cross(right, bottom), _cross(left, bottom)]
-        )
-    )
+    round_it = ((left, top), (right, top), (right, bottom), (left, bottom))
+    corners = plane.to_frame(edges.bend(np.array([_cross(u, v) for u, v in round_it])))
     return CentralWindow(
         grid=grid,
         column=grid.columns.first + starts[0],
         row=grid.rows.first + starts[1],
         size=size,
-        centre_xy=plane.to_frame(centre[None])[0],
+        centre_xy=plane.to_frame(edges.bend(centre[None]))[0],
         corners_xy=corners,
         area_px=float(cv2.contourArea(corners.astype(np.float32))),
     )

@@ -30,11 +30,12 @@ class Lines:
     Attributes
     ----------
     ends : (M, 2, 2) float64
-        First and last supported point, plane pixels; the longest supported line first.
+        First and last supported point, plane pixels without the lens's distortion; the longest
+        supported line first.
     support : (M,) float64
         Length covered by segments, plane pixels.
     segments : (N, 2, 2) float64
-        The Hough segments that they were merged from.
+        The Hough segments that they were merged from, likewise.
     edges : EdgeMap
     """
 
@@ -56,7 +57,7 @@ class Lines:
 def find_merged_lines(edges: EdgeMap) -> Lines | StageFailure:
     """Probabilistic Hough transform; near-collinear segments become one line each.
 
-    A merged line is fitted to the undilated edge pixels along it: that is what makes its position
+    A merged line is fitted to the undilated edge points along it: that is what makes its position
     good to a fraction of a pixel.
 
     References
@@ -72,8 +73,9 @@ def find_merged_lines(edges: EdgeMap) -> Lines | StageFailure:
             f"{len(segments)} straight segments in {edges.plane.channel}, {_LEAST_LINES} are "
             "needed at the least",
         )
-    y, x = np.nonzero(edges.thin)
-    points = np.stack([x, y], axis=1).astype(float)
+    # A distorted line is straight over a segment's length, but not over a family's.
+    segments = edges.straighten(segments.reshape(-1, 2)).reshape(-1, 2, 2)
+    points = edges.straighten(edges.points)
     ends, support = _merge(segments, _lengths(segments))
     # Short pieces point a little astray; once lines are long, what is left over finds its line.
     ends, support = _merge(_sharpen(ends[:_MOST_LINES], points), support[:_MOST_LINES])
