@@ -6,7 +6,6 @@ pictures lie in the data folder.
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -19,8 +18,11 @@ from sqlalchemy.orm import Session, sessionmaker, undefer
 from padstudio.errors import NotFoundError
 from padstudio.flights.store_database import open_database
 from padstudio.flights.store_files import DataFolder
+from padstudio.flights.store_files import new_id as new_id
 from padstudio.flights.store_tables import CameraRow, PadRow
 from padstudio.flights.store_traces import Traces
+from padstudio.flights.upload_limits import UploadLimits
+from padstudio.flights.uploads import Uploads
 
 RowT = TypeVar("RowT", PadRow, CameraRow)
 
@@ -116,12 +118,14 @@ class Store:
         None is SQLite in the data folder.
     keep_traces, keep_trace_bytes : int
         The oldest traces go where there are more, or where they take more.
+    upload_limits : UploadLimits or None
 
     Attributes
     ----------
     folder : DataFolder
     pads, cameras : Shelf
     traces : Traces
+    uploads : Uploads
 
     Raises
     ------
@@ -136,6 +140,7 @@ class Store:
         *,
         keep_traces: int = 200,
         keep_trace_bytes: int = 4_000_000_000,
+        upload_limits: UploadLimits | None = None,
     ) -> None:
         self.folder = DataFolder(root)
         try:
@@ -149,13 +154,9 @@ class Store:
         self.traces = Traces(
             self.folder.traces, session, keep=keep_traces, keep_bytes=keep_trace_bytes
         )
+        self.uploads = Uploads(self.folder.uploads, session, upload_limits)
 
     def close(self) -> None:
         """Close the database and release the folder."""
         self._engine.dispose()
         self.folder.close()
-
-
-def new_id() -> str:
-    """A new random id of 16 hexadecimal digits."""
-    return secrets.token_hex(8)

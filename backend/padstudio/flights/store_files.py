@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import secrets
 import shutil
 import tempfile
 from pathlib import Path
@@ -26,6 +27,8 @@ class DataFolder:
         One folder of pictures a trace.
     work : Path
         Work in progress; emptied when the folder is opened.
+    uploads : Path
+        What was uploaded, whole and in part.
 
     Raises
     ------
@@ -37,10 +40,12 @@ class DataFolder:
 
     def __init__(self, root: Path) -> None:
         self.root, self.traces, self.work = root, root / "traces", root / "work"
+        self.uploads = root / "uploads"
         try:
             root.mkdir(mode=0o700, parents=True, exist_ok=True)
             self.traces.mkdir(exist_ok=True)
             self.work.mkdir(exist_ok=True)
+            self.uploads.mkdir(exist_ok=True)
             self._lock: IO[bytes] = (root / "lock").open("ab")
         except OSError as error:
             raise StorageError(
@@ -66,6 +71,11 @@ class DataFolder:
     def work_folder(self) -> Path:
         """A new empty folder in `work`; the caller removes or moves it."""
         return Path(tempfile.mkdtemp(dir=self.work))
+
+
+def new_id() -> str:
+    """A new random id of 16 hexadecimal digits."""
+    return secrets.token_hex(8)
 
 
 def keep_only(folder: Path, names: frozenset[str]) -> None:
