@@ -45,7 +45,7 @@ class FlightRow(Base):
 
 
 class FlightUploadRow(Base):
-    """Which uploads a flight reads."""
+    """Which uploads a flight reads; they cannot be removed before it."""
 
     __tablename__ = "flight_uploads"
 
@@ -53,7 +53,7 @@ class FlightUploadRow(Base):
         ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
     )
     place: Mapped[int] = mapped_column(Integer, primary_key=True)
-    upload: Mapped[str] = mapped_column(String(32), index=True)
+    upload: Mapped[str] = mapped_column(ForeignKey("uploads.id"), index=True)
 
 
 class ChunkRow(Base):

@@ -89,9 +89,7 @@ def read_frames(
         yield VideoPicture(missing, None)
 
 
-def _decoded_from(
-    container: InputContainer, stream: VideoStream, pts: int
-) -> Iterator[VideoFrame]:
+def _decoded_from(container: InputContainer, stream: VideoStream, pts: int) -> Iterator[VideoFrame]:
     """Frames in order of presentation, from the keyframe before a timestamp on."""
     import av
 
@@ -111,7 +109,7 @@ def _decoded_from(
             continue
         except (av.error.FFmpegError, EOFError):
             return
-        yield from frames  # type: ignore[misc]
+        yield from frames
 
 
 def _to_bgr(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> NDArray[np.uint8]:
@@ -121,7 +119,7 @@ def _to_bgr(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> NDArray[np
             f"a frame is {frame.width} x {frame.height}, more than {max_pixels / 1e6:g} megapixels",
             code="too_many_pixels",
         )
-    bgr = frame.to_ndarray(format="bgr24")
+    bgr = np.asarray(frame.to_ndarray(format="bgr24"), np.uint8)
     if rotation_deg:
         bgr = np.ascontiguousarray(np.rot90(bgr, -rotation_deg // 90))
-    return np.asarray(bgr, np.uint8)
+    return bgr

@@ -28,7 +28,7 @@ def upgrade() -> None:
         "flight_uploads",
         _flight(primary_key=True),
         sa.Column("place", sa.Integer, primary_key=True),
-        sa.Column("upload", sa.String(32), nullable=False),
+        sa.Column("upload", sa.String(32), sa.ForeignKey("uploads.id"), nullable=False),
     )
     op.create_index("ix_flight_uploads_upload", "flight_uploads", ["upload"])
     _create_chunks()

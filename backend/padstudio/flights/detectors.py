@@ -1,0 +1,102 @@
+"""Detectors from stored texts, kept while the same one is asked for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import lru_cache
+from typing import Any, TypeVar
+
+from padstudio.errors import SpecError
+from padstudio.geometry import camera_files
+from padstudio.pad import files as pad_files
+from padstudio.vision.params import DetectorParams
+from padstudio.vision.pipeline import Detector
+from padstudio.vision.types import Method
+
+ParamsT = TypeVar("ParamsT")
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How frames are detected.
+
+    Attributes
+    ----------
+    pad, camera : str
+        The content of a pad file and of a camera file.
+    method : {"dense", "paper"}
+    params : str
+        JSON object as `params_from` takes.
+    """
+
+    pad: str
+    camera: str
+    method: Method = "dense"
+    params: str = "{}"
+
+
+# The index of a large pad takes longer to build than a picture to read.
+@lru_cache(maxsize=4)
+def detector_for(recipe: Recipe) -> Detector:
+    """The detector of a recipe; raises as the readers of its files."""
+    return Detector(
+        pad_files.loads(recipe.pad),
+        camera_files.loads(recipe.camera),
+        method=recipe.method,
+        params=params_from(json.loads(recipe.params)),
+    )
+
+
+def params_from(values: Mapping[str, Any]) -> DetectorParams:
+    """Detector parameters from nested names and values; what is not named keeps its default.
+
+    Parameters
+    ----------
+    values : mapping
+        Such as ``{"refine": {"most_borders": 500}}``.
+
+    Raises
+    ------
+    SpecError
+        If a name is unknown, or a value of the wrong kind or out of range.
+    """
+    return _changed(DetectorParams(), values, "")
+
+
+def _changed(params: ParamsT, values: Mapping[str, Any], place: str) -> ParamsT:
+    assert is_dataclass(params)
+    known = {field.name for field in fields(params)}
+    changes: dict[str, Any] = {}
+    for name, value in values.items():
+        where = f"{place}{name}"
+        if name not in known:
+            raise SpecError(
+                f"there is no parameter {where}; there are {', '.join(sorted(known))}",
+                code="invalid_parameter",
+            )
+        default = getattr(params, name)
+        if is_dataclass(default):
+            if not isinstance(value, Mapping):
+                raise SpecError(f"parameter {where} must be an object", code="invalid_parameter")
+            changes[name] = _changed(default, value, f"{where}.")
+        else:
+            changes[name] = _typed(value, default, where)
+    return replace(params, **changes)  # type: ignore[type-var]
+
+
+def _typed(value: Any, default: Any, where: str) -> Any:
+    """A value of its default's type; JSON does not tell 2.0 from 2."""
+    kind = type(default)
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if kind is float and number:
+        return float(value)
+    if kind is int and number and float(value).is_integer():
+        return int(value)
+    if type(value) is kind and kind not in (int, float):
+        return value
+    raise SpecError(
+        f"parameter {where} is {value!r}; it must be of type {kind.__name__}",
+        code="invalid_parameter",
+    )

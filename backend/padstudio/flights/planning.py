@@ -1,0 +1,174 @@
+"""Looks into a flight's uploads and parts the work into chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import SpecError, StudioError
+from padstudio.flights import telemetry
+from padstudio.flights.video_index import VideoIndex, read_index
+from padstudio.flights.zip_source import list_members
+from padstudio.geometry import camera_files
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """An upload of a flight: ``kind`` as of `padstudio.flights.content.Content`."""
+
+    upload: str
+    kind: str
+    name: str
+    url: str
+
+
+@dataclass(frozen=True)
+class ChunkPlan:
+    """A part of the work: frames of one video, or stills, as in `ChunkRow`."""
+
+    source: int
+    first_frame: int
+    frames: int
+    pts: bytes = b""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a flight's uploads hold, and the work on it.
+
+    Attributes
+    ----------
+    sources : list of dict
+        JSON-serialisable: upload, kind, name, url, first_frame, frames, start_s; of videos also
+        start_pts, time_base_s, rotation_deg and `VideoInfo`; of zips the members.
+    chunks : list of ChunkPlan
+    telemetry : dict or None
+        As `padstudio.flights.telemetry.to_dict`.
+    """
+
+    sources: list[dict[str, Any]]
+    chunks: list[ChunkPlan]
+    telemetry: dict[str, Any] | None
+
+
+@dataclass(frozen=True)
+class PlanTask:
+    """The first task of a flight.
+
+    Attributes
+    ----------
+    files : tuple of SourceFile
+    camera : str
+        The content of a camera file.
+    first_frame, stride : int
+    end_frame : int or None
+        The first frame that is not worked on; None is the end.
+    chunk_frames : int
+        Frames that a chunk should hold.
+    apply_rotation : bool
+        Turn videos as their rotation flag says.
+    max_pixels, max_frames : int
+    """
+
+    files: tuple[SourceFile, ...]
+    camera: str
+    first_frame: int
+    end_frame: int | None
+    stride: int
+    chunk_frames: int
+    apply_rotation: bool
+    max_pixels: int
+    max_frames: int
+
+    def run(self, stopped: Callable[[], bool]) -> Plan:
+        """Read the index of every file.
+
+        Raises
+        ------
+        StudioError
+            If a file cannot be read, does not fit the camera, or no frame is left to work on.
+        """
+        sources: list[dict[str, Any]] = []
+        indices: dict[int, VideoIndex] = {}
+        found: telemetry.Telemetry | None = None
+        frame, time_s = 0, 0.0
+        for file in self.files:
+            try:
+                if file.kind == "telemetry":
+                    found = telemetry.read(file.url)
+                    continue
+                entry, index = self._look(file)
+            except StudioError as error:
+                raise StudioError(
+                    f"{file.name}: {error.message}", code=error.error_code, detail=error.detail
+                ) from error
+            if index is not None:
+                indices[len(sources)] = index
+                found = found or telemetry.read_embedded(file.url)
+            sources.append(asdict(file) | {"first_frame": frame, "start_s": time_s} | entry)
+            frame += entry["frames"]
+            time_s += index.info.duration_s if index else 0.0
+        chunks = list(self._chunks(sources, indices, frame))
+        if not chunks:
+            raise SpecError(
+                f"no frame is left to work on: the uploads hold {frame} frames, and frames from "
+                f"{self.first_frame} on were asked for",
+                code="no_frames",
+            )
+        return Plan(sources, chunks, telemetry.to_dict(found) if found else None)
+
+    def _look(self, file: SourceFile) -> tuple[dict[str, Any], VideoIndex | None]:
+        if file.kind == "still":
+            return {"frames": 1}, None
+        if file.kind == "stills":
+            members = list_members(file.url)
+            return {"frames": len(members), "members": members}, None
+        index = read_index(file.url, max_pixels=self.max_pixels, max_frames=self.max_frames)
+        rotation = index.info.rotation_deg if self.apply_rotation else 0
+        size = index.info.shown_size if rotation else (index.info.width, index.info.height)
+        camera_files.loads(self.camera).for_frame(*size)
+        return {
+            "frames": index.info.frames,
+            "start_pts": int(index.pts[0]),
+            "time_base_s": float(index.time_base),
+            "rotation_deg": rotation,
+            "video": asdict(index.info),
+        }, index
+
+    def _chunks(
+        self, sources: list[dict[str, Any]], indices: Mapping[int, VideoIndex], total: int
+    ) -> Iterator[ChunkPlan]:
+        end = total if self.end_frame is None else min(self.end_frame, total)
+        wanted = np.arange(self.first_frame, max(end, self.first_frame), self.stride)
+        stills: list[int] = []
+        for place, source in enumerate(sources):
+            first = source["first_frame"]
+            mine = wanted[(wanted >= first) & (wanted < first + source["frames"])]
+            if place not in indices:
+                stills += mine.tolist()
+                continue
+            for numbers in _by_keyframe(mine - first, indices[place].keyframes, self.chunk_frames):
+                pts = indices[place].pts[numbers].astype("<i8").tobytes()
+                yield ChunkPlan(place, int(numbers[0]) + first, len(numbers), pts)
+        # Stills take longer than frames of a video, which are tracked.
+        size = max(1, self.chunk_frames // 4)
+        for at in range(0, len(stills), size):
+            yield ChunkPlan(0, stills[at], len(stills[at : at + size]))
+
+
+def _by_keyframe(
+    numbers: NDArray[np.int64], keyframes: NDArray[np.int64], chunk_frames: int
+) -> Iterator[NDArray[np.int64]]:
+    """Runs of frame numbers that start where decoding can, each about `chunk_frames` long."""
+    group = np.searchsorted(keyframes, numbers, side="right")
+    start = 0
+    for place in np.flatnonzero(np.diff(group)) + 1:
+        if place - start >= chunk_frames:
+            yield numbers[start:place]
+            start = int(place)
+    if start < len(numbers):
+        yield numbers[start:]
