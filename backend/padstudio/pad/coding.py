@@ -13,12 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
+from padstudio.pad.bounds import check_possible, uses_table
 from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Method, Unique, Watch
 from padstudio.pad.spec import MAX_CELLS, Layer, Pad
 from padstudio.pad.verify import verify_field
-
-# One bit a window: 128 MB. Beyond it windows are so many that growth at random does not run dry.
-MAX_TABLE_CODES = 2**30
 
 __all__ = ["FieldSearchError", "FieldSpec", "generate_field", "generate_pad"]
 
@@ -51,7 +49,9 @@ def generate_field(
     Raises
     ------
     SpecError
-        If no such field can exist, or it is beyond a limit.
+        If no such field can exist.
+    LimitError
+        If the search would take more memory than it may.
     FieldSearchError
         If the budget is spent; its ``field`` is the largest part reached, verified.
     SearchCancelledError
@@ -62,6 +62,7 @@ def generate_field(
     >>> generate_field(FieldSpec(rows=12, cols=9, window=4, distance=1)).shape
     (12, 9)
     """
+    check_possible(spec)
     watch = Watch(budget_s, progress, cancel)
     try:
         field = _search(spec, watch)
@@ -164,7 +165,7 @@ def generate_pad(
 
 def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
     # Numba takes half a second to import: only who generates pays for it.
-    if spec.method == "auto" and spec.levels ** (spec.window**2) <= MAX_TABLE_CODES:
+    if uses_table(spec):
         from padstudio.pad.row_search import search_field
 
         return search_field(spec, watch)

@@ -5,9 +5,10 @@ cells, each further cell completes one window, and windows that are taken are cl
 open path is found from right to left (dynamic programming), then walked from left to right while
 its windows are entered. A cell costs the more, the fewer windows are left that could continue
 below it, so that the row after finds its way too; random costs on top make it a random field.
-Windows that meet within the row itself are the one thing the trellis does not see: there the walk
-goes back some cells, and after a few such dead ends the row, then rows, are taken back, by
-Luby's sequence (Luby, Sinclair, Zuckerman 1993, doi:10.1016/0020-0190(93)90029-9).
+What the trellis does not see is windows that meet within the row itself, and a row that leaves the
+next one without any open path: there the walk goes back some cells, and after many dead ends at one
+place rows are taken back, by Luby's sequence (Luby, Sinclair, Zuckerman 1993,
+doi:10.1016/0020-0190(93)90029-9).
 
 A window enters with all its turns and everything nearer than the distance to any of them, so that
 one bit of the table tells whether a window is still allowed.
@@ -56,6 +57,8 @@ class Board(NamedTuple):
         Least cost to the row's end.
     choice : (across, Y^(b − 1)) uint8
         The level that leads there.
+    reach : (across + 1, Y^(b − 1)) uint8
+        Which states the row below can have.
     best : (rows, cols) uint8
     state : (1,) uint64
         Random state.
@@ -72,6 +75,7 @@ class Board(NamedTuple):
     lines: I64
     value: NDArray[np.int32]
     choice: NDArray[np.uint8]
+    reach: NDArray[np.uint8]
     best: NDArray[np.uint8]
     state: NDArray[np.uint64]
     counts: I64
@@ -92,6 +96,7 @@ def board(spec: FieldSpec) -> Board:
         lines=np.zeros((b, across), np.int64),
         value=np.zeros((across + 1, levels ** (b - 1)), np.int32),
         choice=np.zeros((across, levels ** (b - 1)), np.uint8),
+        reach=np.zeros((across + 1, levels ** (b - 1)), np.uint8),
         best=np.zeros((spec.rows, spec.cols), np.uint8),
         state=random_state(spec.seed),
         counts=np.zeros(5, np.int64),

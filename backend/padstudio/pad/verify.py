@@ -101,7 +101,11 @@ class Verification:
 
 
 def verify_field(
-    field: NDArray[np.uint8], window: int, levels: int, *, distance_limit: int | None = None
+    field: NDArray[np.uint8],
+    window: int,
+    levels: int,
+    *,
+    distance_limit: int | None = None,
 ) -> Verification:
     """Verify all windows of a field.
 
