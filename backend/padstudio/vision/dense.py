@@ -15,6 +15,7 @@ from padstudio.vision.choose import Choice, choose
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
+from padstudio.vision.far import WholeSign, find_whole_sign
 from padstudio.vision.measure import LayerRead, Measurement, Refiner
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
@@ -22,7 +23,8 @@ from padstudio.vision.planar import planar_pose
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import denoised, find_denoise, find_stretch
 from padstudio.vision.recorder import Recorder
-from padstudio.vision.regions import find_regions
+from padstudio.vision.refine import Fit
+from padstudio.vision.regions import Region, find_regions
 from padstudio.vision.search import Miss, Search, Sighting, sightings
 from padstudio.vision.tracker import Expectation
 from padstudio.vision.types import (
@@ -72,10 +74,7 @@ class Dense:
         failure: StageFailure | None = None
         for found in sightings(frame, regions):
             if isinstance(found, Miss):
-                suspect = Suspect(pyramid, camera, self.pad, stretch, regions)
-                failure = diagnose(suspect, failure or found.failure)
-                if recorder.keep:
-                    recorder.append(explain(frame, found.region, [], found.level))
+                failure = failure or found.failure
                 break
             detection, reads = self._pose(frame, found)
             if detection.ok:
@@ -83,7 +82,34 @@ class Dense:
                     recorder.append(explain(frame, found.region, reads, None))
                 return detection
             failure = detection.failure
-        return Detection(None, failure)
+        return self._from_afar(frame, regions) or self._miss(frame, regions, found, failure)
+
+    def _from_afar(self, frame: Search, regions: list[Region]) -> Detection | None:
+        """The pose of a pad too far away for lattices, or None."""
+        recorder = frame.recorder
+        refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, 1)
+        for region in regions[:-1]:
+            found = recorder.run("outline", None, find_whole_sign, refiner, region)
+            if isinstance(found, WholeSign):
+                if recorder.keep:
+                    recorder.append(explain(frame, region, [found.read], None))
+                return _whole(found)
+        return None
+
+    def _miss(
+        self,
+        frame: Search,
+        regions: list[Region],
+        found: Sighting | Miss,
+        failure: StageFailure | None,
+    ) -> Detection:
+        """No pose, and why."""
+        assert failure is not None
+        if frame.recorder.keep:
+            level = found.level if isinstance(found, Miss) else None
+            frame.recorder.append(explain(frame, found.region, [], level))
+        suspect = Suspect(frame.pyramid, frame.camera, self.pad, frame.stretch, regions)
+        return Detection(None, diagnose(suspect, failure))
 
     def _pose(self, frame: Search, found: Sighting) -> tuple[Detection, list[LayerRead]]:
         """The pose of a sighting, and every layer's cells read with it."""
@@ -186,10 +212,26 @@ def _unfit(measurement: Measurement | None) -> StageFailure | None:
     return None
 
 
+def _whole(found: WholeSign) -> Detection:
+    fit, evidence = found.fit, found.read.evidence
+    return Detection(
+        pose=fit.pose.pose,
+        layer="outline",
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=fit.rms_px,
+        uncertainty=_uncertainty(fit),
+    )
+
+
+def _uncertainty(fit: Fit) -> Uncertainty:
+    sigma = np.sqrt(np.diag(fit.covariance))
+    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), fit.covariance)
+
+
 def _detection(measurement: Measurement, choice: Choice) -> Detection:
     fit, evidence = measurement.fit, choice.read.evidence
-    covariance = fit.covariance
-    sigma = np.sqrt(np.diag(covariance))
     return Detection(
         pose=fit.pose.pose,
         layer=choice.read.layer.channel,
@@ -197,7 +239,7 @@ def _detection(measurement: Measurement, choice: Choice) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
-        uncertainty=Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance),
+        uncertainty=_uncertainty(fit),
         shift_mm=fit.pose.shift_mm,
         turn_rad=fit.pose.turn,
     )

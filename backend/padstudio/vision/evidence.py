@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Least share of the way from chance to perfect agreement, (k/N − q) / (1 − q).
-_LEAST_SKILL = 0.45
+#: Least share of the way from chance to perfect agreement, (k/N − q) / (1 − q).
+LEAST_SKILL = 0.45
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Evidence:
     log10_false_alarm: float
     skill: float
 
-    def suffices(self, log10_false_alarm: float) -> bool:
+    def suffices(self, log10_false_alarm: float, *, least_skill: float = LEAST_SKILL) -> bool:
         """True where a pose may rest on it."""
-        return self.skill >= _LEAST_SKILL and self.log10_false_alarm <= log10_false_alarm
+        return self.skill >= least_skill and self.log10_false_alarm <= log10_false_alarm
 
 
 def judge(

@@ -200,8 +200,18 @@ class Refiner:
         moving = fit_pose(fit.pose, measured, self.camera, motion=True, iterations=iterations)
         return better_of(fit, moving)
 
-    def read(self, layer: Layer, pose: MovingPose) -> LayerRead | None:
-        """Read a layer's visible cells where a pose puts them, and compare them with the pad."""
+    def read(
+        self, layer: Layer, pose: MovingPose, *, places: int | None = None
+    ) -> LayerRead | None:
+        """Read a layer's visible cells where a pose puts them, and compare them with the pad.
+
+        Parameters
+        ----------
+        layer : Layer
+        pose : MovingPose
+        places : int, optional
+            Among how many places this one was chosen; all of the layer's by default.
+        """
         rows, cols = visible_range(self.pad, layer, self.camera, pose.pose)
         if rows[0] >= rows[1] or cols[0] >= cols[1]:
             return None
@@ -213,7 +223,8 @@ class Refiner:
         if cells is None:
             return None
         expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
-        places = 4 * layer.rows * layer.cols * self.places
+        if places is None:
+            places = 4 * layer.rows * layer.cols * self.places
         evidence = judge(cells.levels(self.pad.levels), expected, self.pad.levels, places)
         area = float(cells.seen.sum()) * layer.cell_mm**2
         return LayerRead(layer, cells, expected, evidence, area)

@@ -26,6 +26,8 @@ _GROUND = 97
 # Added to the sum of channels, so that noise in the dark does not look like colour.
 _DARK = 12.0
 _MOST_REGIONS = 3
+# A region's shape shows where its longer side has so many pixels.
+_SHAPE_WIDTH = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,17 @@ class Region:
     box: Box
     mask: NDArray[np.bool_] | None
     level: int
+
+    def middle(self, side: int) -> Region:
+        """The region cut down to a square of ``side`` frame pixels round the mask's middle."""
+        assert self.mask is not None
+        y, x = (int(np.median(axis)) << self.level for axis in np.nonzero(self.mask))
+        box, half = self.box, side // 2
+        cut = Box(
+            max(box.x0, x - half), max(box.y0, y - half),
+            min(box.x1, x + half), min(box.y1, y + half),
+        )  # fmt: skip
+        return Region(cut, self.mask, self.level)
 
     def holds(self, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which frame pixels (N, 2) lie on the mask."""
@@ -112,3 +125,34 @@ def _components(dark: NDArray[np.uint8], level: int, pyramid: Pyramid) -> list[R
         )
         regions.append(Region(box, mask, level))
     return regions
+
+
+def sharper(pyramid: Pyramid, pad: Pad, region: Region) -> Region:
+    """A small region with a mask fine enough to show its shape, or the region itself.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    pad : Pad
+    region : Region
+        As of `find_regions`, with a mask.
+    """
+    level = max(0, int(np.log2(max(region.box.side / _SHAPE_WIDTH, 1))))
+    if region.mask is None or level >= region.level:
+        return region
+    used = {layer.channel for layer in pad.layers}
+    unused = [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
+    image = pyramid.level(level)
+    x0, y0 = region.box.x0 >> level, region.box.y0 >> level
+    x1, y1 = -(-region.box.x1 >> level), -(-region.box.y1 >> level)
+    dark = _dark_mask(image[y0:y1, x0:x1], unused)
+    if dark is None:
+        return region
+    closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    if count < 2:
+        return region
+    largest = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+    mask = np.zeros(image.shape[:2], bool)
+    mask[y0:y1, x0:x1] = labels == largest
+    return Region(region.box, mask, level)

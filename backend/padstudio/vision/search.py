@@ -17,7 +17,7 @@ from padstudio.vision.decode import LayerIndex, Placement
 from padstudio.vision.directions import find_axes, find_lines
 from padstudio.vision.edges import EdgeSet, find_edges
 from padstudio.vision.lattice import Lattice, find_lattice
-from padstudio.vision.params import DetectorParams
+from padstudio.vision.params import DetectorParams, SearchParams
 from padstudio.vision.planes import Plane, Pyramid
 from padstudio.vision.prepare import Stretch, take_channel
 from padstudio.vision.recorder import Recorder
@@ -75,7 +75,7 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
     nearest = Miss(nothing, regions[0], 0)
     for steep in (False, True):
         unsure: list[tuple[Lattice, Region]] = []
-        for region, level in ((r, k) for r in regions for k in _levels(r, frame.params)):
+        for region, level in _looks(regions, frame.params.search):
             for channel in frame.indices:
                 lattice = find(frame, region, level, channel, steep=steep)
                 if isinstance(lattice, StageFailure):
@@ -103,11 +103,16 @@ def _nearer(a: Miss, b: Miss) -> Miss:
     return max(a, b, key=lambda miss: (_ORDER[miss.failure.stage], miss.cells))
 
 
-def _levels(region: Region, params: DetectorParams) -> Iterator[int]:
-    side, search_params = region.box.side, params.search
-    coarsest = max(0, math.floor(math.log2(max(side / search_params.coarsest_px, 1))))
-    finest = max(0, math.ceil(math.log2(max(side / search_params.finest_px, 1))))
-    yield from range(max(coarsest, finest), finest - 1, -1)
+def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region, int]]:
+    """Regions at the scales that suit them; at finer ones their middle, where it pays."""
+    for region in regions:
+        coarsest = max(0, math.floor(math.log2(max(region.box.side / params.coarsest_px, 1))))
+        finest = max(0, math.ceil(math.log2(max(region.box.side / params.finest_px, 1))))
+        for level in range(max(coarsest, finest), finest - 1, -1):
+            yield region, level
+        if region.mask is not None:
+            for level in range(finest - 1, -1, -1):
+                yield region.middle(params.finest_px << level), level
 
 
 # Lattices of less order are tried only when a round has found no better one, and not many.
