@@ -71,3 +71,54 @@ def local_path(source: str) -> Path | None:
     if not rest:
         return Path(source)
     return Path(unquote(urlsplit(source).path)) if scheme == "file" else None
+
+
+class Storage:
+    """Brings files where the workers reach them.
+
+    Parameters
+    ----------
+    base : str or None
+        A folder or URL that all workers read; None where they run on this machine, and read the
+        files where they are.
+    """
+
+    def __init__(self, base: str | None = None) -> None:
+        self._base = base.rstrip("/") if base else None
+
+    def place(self, path: Path) -> str:
+        """The URL of a file for workers; it is copied there where it is not yet.
+
+        Parameters
+        ----------
+        path : Path
+            Named by its content, so that equal names mean equal files.
+
+        Raises
+        ------
+        StorageError
+            If it cannot be copied.
+        """
+        if self._base is None:
+            return str(path)
+        import fsspec
+
+        url = f"{self._base}/{path.name}"
+        try:
+            system, target = fsspec.core.url_to_fs(url)
+            if not system.exists(target) or system.size(target) != path.stat().st_size:
+                system.makedirs(target.rpartition("/")[0], exist_ok=True)
+                system.put_file(str(path), target)
+        except (OSError, ImportError, ValueError) as error:
+            raise StorageError(f"cannot copy an upload to {self._base}: {error}") from error
+        return url
+
+    def remove(self, name: str) -> None:
+        """Remove a copy; it may be gone already, or never have been made."""
+        if self._base is None:
+            return
+        import fsspec
+
+        system, target = fsspec.core.url_to_fs(f"{self._base}/{name}")
+        with contextlib.suppress(OSError):
+            system.rm_file(target)

@@ -1,0 +1,253 @@
+"""The state machine of chunks: claimed, finished, failed, queued again.
+
+A claim raises the chunk's attempt; whatever ends it has to name that attempt and finds nothing to
+do where another claim came between, so that no result is taken twice. Only the server calls this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from sqlalchemy import func, insert, select, update
+from sqlalchemy.orm import Session, sessionmaker, undefer
+
+from padstudio.flights.flight_tables import ChunkRow, FlightRow, FrameDetailRow, FrameRow
+from padstudio.flights.planning import Plan
+from padstudio.flights.result_rows import rows_of
+from padstudio.flights.tasks import Record
+
+OPEN = ("queued", "running")
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A chunk that the caller may work on.
+
+    Attributes
+    ----------
+    chunk, flight : int
+        Keys.
+    attempt : int
+        What the claim is ended with.
+    is_plan : bool
+        The chunk parts the flight's work into the others.
+    """
+
+    chunk: int
+    flight: int
+    attempt: int
+    is_plan: bool
+
+
+class Chunks:
+    """The chunks of a database's flights.
+
+    Parameters
+    ----------
+    session : sessionmaker
+    attempts : int
+        Dead or hanging workers that one chunk may cost.
+    lease_s, frame_lease_s : float
+        Time for a chunk, and more of it for each frame.
+    """
+
+    def __init__(
+        self,
+        session: sessionmaker[Session],
+        *,
+        attempts: int = 3,
+        lease_s: float = 600.0,
+        frame_lease_s: float = 10.0,
+    ) -> None:
+        self._session, self._attempts = session, attempts
+        self._lease_s, self._frame_lease_s = lease_s, frame_lease_s
+
+    def claim(self, limit: int) -> list[Claim]:
+        """Take up to `limit` queued chunks, those of older flights first."""
+        now = datetime.now(UTC)
+        queued = (
+            select(ChunkRow)
+            .join(FlightRow, FlightRow.key == ChunkRow.flight)
+            .where(ChunkRow.state == "queued", FlightRow.state.in_(OPEN))
+            .order_by(ChunkRow.flight, ChunkRow.number)
+            .limit(limit)
+        )
+        claims = []
+        with self._session.begin() as session:
+            for chunk in session.scalars(queued):
+                chunk.state, chunk.attempt = "running", chunk.attempt + 1
+                seconds = self._lease_s + chunk.frames * self._frame_lease_s
+                chunk.lease_until = now + timedelta(seconds=seconds)
+                claims.append(Claim(chunk.id, chunk.flight, chunk.attempt, chunk.number == 0))
+            session.flush()
+            session.execute(
+                update(FlightRow)
+                .where(
+                    FlightRow.key.in_({claim.flight for claim in claims}),
+                    FlightRow.state == "queued",
+                )
+                .values(state="running", started_at=func.coalesce(FlightRow.started_at, now))
+            )
+        return claims
+
+    def load(self, claim: Claim) -> tuple[FlightRow, ChunkRow] | None:
+        """A claim's flight, with pad and camera, and chunk; None where they are gone."""
+        with self._session() as session:
+            flight = session.get(
+                FlightRow, claim.flight, options=[undefer(FlightRow.pad), undefer(FlightRow.camera)]
+            )
+            chunk = session.get(ChunkRow, claim.chunk, options=[undefer(ChunkRow.pts)])
+        return (flight, chunk) if flight and chunk else None
+
+    def finish_plan(self, claim: Claim, plan: Plan) -> bool:
+        """Take a plan: its chunks are queued. False where the claim is over."""
+        with self._session.begin() as session:
+            if not self._end(session, claim, state="done"):
+                return False
+            session.execute(
+                insert(ChunkRow),
+                [
+                    {
+                        "flight": claim.flight,
+                        "number": number,
+                        "state": "queued",
+                        "source": chunk.source,
+                        "first_frame": chunk.first_frame,
+                        "frames": chunk.frames,
+                        "pts": chunk.pts,
+                    }
+                    for number, chunk in enumerate(plan.chunks, 1)
+                ],
+            )
+            session.execute(
+                update(FlightRow)
+                .where(FlightRow.key == claim.flight)
+                .values(
+                    sources=plan.sources,
+                    telemetry=plan.telemetry,
+                    frames_total=sum(chunk.frames for chunk in plan.chunks),
+                )
+            )
+        return True
+
+    def finish(self, claim: Claim, records: Sequence[Record]) -> bool:
+        """Take the frames of a chunk, all or none. False where the claim is over."""
+        frames, details = rows_of(claim.flight, claim.chunk, records)
+        with self._session.begin() as session:
+            if not self._end(session, claim, state="done"):
+                return False
+            session.execute(insert(FrameRow), frames)
+            session.execute(insert(FrameDetailRow), details)
+            session.execute(
+                update(FlightRow)
+                .where(FlightRow.key == claim.flight)
+                .values(
+                    frames_done=FlightRow.frames_done + len(frames),
+                    frames_ok=FlightRow.frames_ok + sum(row["status"] == "ok" for row in frames),
+                )
+            )
+            self._settle(session, claim.flight)
+        return True
+
+    def fail(self, claim: Claim, error: dict[str, Any]) -> bool:
+        """End a chunk for good with ``{"code", "message", "detail"}``. False where it is over."""
+        with self._session.begin() as session:
+            if not self._end(session, claim, state="failed", error=error):
+                return False
+            self._settle(session, claim.flight)
+        return True
+
+    def crash(self, claim: Claim, error: dict[str, Any]) -> bool:
+        """Queue a chunk again whose worker died or hung; too often, and it fails with `error`."""
+        with self._session.begin() as session:
+            chunk = session.get(ChunkRow, claim.chunk)
+            failures = chunk.failures + 1 if chunk else 0
+            again = failures < self._attempts
+            values = {"state": "queued"} if again else {"state": "failed", "error": error}
+            if not self._end(session, claim, failures=failures, **values):
+                return False
+            if not again:
+                self._settle(session, claim.flight)
+        return True
+
+    def release(self, claim: Claim) -> bool:
+        """Queue a chunk again that nobody could work on."""
+        with self._session.begin() as session:
+            return self._end(session, claim, state="queued")
+
+    def release_all(self) -> int:
+        """Queue everything unfinished again: no task outlives the server that asked for it."""
+        with self._session.begin() as session:
+            released = session.execute(
+                update(ChunkRow)
+                .where(ChunkRow.state == "running")
+                .values(state="queued", lease_until=None)
+            )
+            return int(released.rowcount)  # type: ignore[attr-defined]
+
+    def is_current(self, claim: Claim) -> bool:
+        """False where a claim was cancelled."""
+        with self._session() as session:
+            chunk = session.get(ChunkRow, claim.chunk)
+            return bool(chunk and chunk.attempt == claim.attempt and chunk.state == "running")
+
+    def expired(self, claims: Sequence[Claim]) -> list[Claim]:
+        """Those claims whose time is over."""
+        over = select(ChunkRow.id).where(
+            ChunkRow.state == "running", ChunkRow.lease_until < datetime.now(UTC)
+        )
+        with self._session() as session:
+            ids = set(session.scalars(over))
+        return [claim for claim in claims if claim.chunk in ids]
+
+    @staticmethod
+    def _end(session: Session, claim: Claim, **values: Any) -> bool:
+        ended = session.execute(
+            update(ChunkRow)
+            .where(
+                ChunkRow.id == claim.chunk,
+                ChunkRow.attempt == claim.attempt,
+                ChunkRow.state == "running",
+            )
+            .values(lease_until=None, **values)
+        )
+        return bool(ended.rowcount)  # type: ignore[attr-defined]
+
+    @staticmethod
+    def _settle(session: Session, flight: int) -> None:
+        """End a flight whose last chunk has ended."""
+        mine = ChunkRow.flight == flight
+        open_chunk = select(ChunkRow.id).where(mine, ChunkRow.state.in_(OPEN)).limit(1)
+        if session.scalar(open_chunk) is not None:
+            return
+        failed = list(
+            session.scalars(
+                select(ChunkRow).where(mine, ChunkRow.state == "failed").order_by(ChunkRow.number)
+            )
+        )
+        session.execute(
+            update(FlightRow)
+            .where(FlightRow.key == flight, FlightRow.state.in_(OPEN))
+            .values(
+                state="failed" if failed else "done",
+                error=_summary(failed) if failed else None,
+                finished_at=datetime.now(UTC),
+            )
+        )
+
+
+def _summary(failed: Sequence[ChunkRow]) -> dict[str, Any]:
+    """The first failure, and which frames are missing."""
+    first = dict(failed[0].error or {})
+    if failed[0].number == 0:
+        return first
+    parts = [{"first_frame": chunk.first_frame, "frames": chunk.frames} for chunk in failed]
+    missing = sum(chunk.frames for chunk in failed)
+    message = (
+        f"{missing} frames have no result, the first of them frame {failed[0].first_frame}: "
+        f"{first.get('message', '')}"
+    )
+    return {**first, "message": message, "detail": {"missing": parts}}

@@ -1,0 +1,334 @@
+"""Where the work on flights runs: Dask's workers, on this machine or on a cluster.
+
+Started when there is work. Without an address it is a cluster of worker processes on the loopback
+interface, encrypted with keys of its own, so that other users of the machine cannot send it tasks.
+The engine may be lost at any time; who uses it asks again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import contextlib
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+from urllib.parse import urlsplit
+
+from padstudio.errors import SpecError, StudioError
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+logger = logging.getLogger(__name__)
+
+# How often a task asks whether it is to stop; the question goes to the scheduler and back.
+_ASK_EVERY_S = 0.25
+_CONNECT_S = 15
+
+
+class Task(Protocol):
+    """What the engine runs; must be picklable."""
+
+    def run(self, stopped: Callable[[], bool]) -> Any:
+        """Do the work; may end early where `stopped` says so."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a task ended.
+
+    Attributes
+    ----------
+    kind : {"value", "refused", "crashed", "lost"}
+        ``refused``: a `StudioError`; ``crashed``: the worker died, or a defect came to light;
+        ``lost``: the engine let go of the task.
+    value : object
+        The task's result.
+    error : dict or None
+        ``code``, ``message``, ``detail``.
+    """
+
+    kind: Literal["value", "refused", "crashed", "lost"]
+    value: Any = None
+    error: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineOptions:
+    """How the engine is started.
+
+    Attributes
+    ----------
+    scheduler : str or None
+        Address of a scheduler, ``tls://host:8786``; None starts worker processes here.
+    tls_ca, tls_cert, tls_key : str or None
+        PEM files for a scheduler's address; None leaves it to Dask's own configuration.
+    workers : int
+        Processes here.
+    worker_memory_bytes : int
+        What each of them may take before it is ended.
+    """
+
+    scheduler: str | None = None
+    tls_ca: str | None = None
+    tls_cert: str | None = None
+    tls_key: str | None = None
+    workers: int = 2
+    worker_memory_bytes: int = 3_000_000_000
+
+    def __post_init__(self) -> None:
+        check_scheduler(self.scheduler)
+
+
+class Engine:
+    """Runs tasks and says how they ended.
+
+    Parameters
+    ----------
+    options : EngineOptions
+    """
+
+    def __init__(self, options: EngineOptions) -> None:
+        self._options = options
+        self._lock = threading.Lock()
+        self._client: Client | None = None
+        self._cluster: Any = None
+        self._futures: dict[str, Future] = {}
+
+    @property
+    def capacity(self) -> int:
+        """Tasks that can run at a time; starts the engine. At least 1."""
+        if self._options.scheduler is None:
+            self._started()
+            return self._options.workers
+        workers = self._started().scheduler_info(n_workers=-1)["workers"]
+        return max(1, sum(worker["nthreads"] for worker in workers.values()))
+
+    def submit(self, key: str, task: Task, ended: Callable[[Outcome], None]) -> None:
+        """Run a task.
+
+        Parameters
+        ----------
+        key : str
+            Names the task; never used twice.
+        task : Task
+        ended : callable
+            Called once, from another thread.
+
+        Raises
+        ------
+        OSError, TimeoutError
+            If the engine cannot be started or reached.
+        """
+        client = self._started()
+        # Crashes are counted by who calls, chunk by chunk.
+        future = client.submit(_perform, task, key, key=key, pure=False, retries=0)
+        self._futures[key] = future
+        future.add_done_callback(lambda done: self._ended(key, done, ended))
+
+    def stop(self, key: str) -> None:
+        """Tell a task to stop: at once where it waits, soon where it runs."""
+        future = self._futures.get(key)
+        if future is None or self._client is None:
+            return
+        from distributed import Event
+
+        with contextlib.suppress(Exception):
+            Event(key, client=self._client).set(timeout=2)
+        with contextlib.suppress(Exception):
+            future.cancel()
+
+    def restart_worker_of(self, key: str) -> None:
+        """End the process that hangs in a task; its nanny starts another."""
+        client = self._client
+        if client is None:
+            return
+        with contextlib.suppress(Exception):
+            addresses = [a for a, keys in client.processing().items() if key in keys]
+            if addresses:
+                client.restart_workers(addresses, timeout=30, raise_for_error=False)
+
+    def worker_pids(self) -> list[int]:
+        """Process ids of the workers, for tests and for who watches over them."""
+        return list(self._started().run(os.getpid).values())
+
+    def is_lost(self) -> bool:
+        """True where the engine was started and its scheduler is gone."""
+        return self._client is not None and self._client.status not in ("running", "connecting")
+
+    def close(self) -> None:
+        """End the workers started here; tasks at work are lost."""
+        with self._lock:
+            client, cluster = self._client, self._cluster
+            self._client = self._cluster = None
+        for part in (client, cluster):
+            if part is not None:
+                with contextlib.suppress(Exception):
+                    part.close(timeout=10)
+        self._futures.clear()
+
+    def _started(self) -> Client:
+        with self._lock:
+            if self._client is not None and self.is_lost():
+                self._drop()
+            if self._client is None:
+                started = time.monotonic()
+                self._start()
+                logger.info("engine started in %.1f s", time.monotonic() - started)
+            assert self._client is not None
+            return self._client
+
+    def _start(self) -> None:
+        from distributed import Client, LocalCluster
+        from distributed.security import Security
+
+        _configure()
+        options = self._options
+        if options.scheduler is not None:
+            given = {
+                "tls_ca_file": options.tls_ca,
+                "tls_client_cert": options.tls_cert,
+                "tls_client_key": options.tls_key,
+            }
+            known = {name: value for name, value in given.items() if value is not None}
+            security = Security(**known, require_encryption=True)
+            self._client = Client(
+                options.scheduler, security=security, timeout=_CONNECT_S, set_as_default=False
+            )
+            return
+        security = Security.temporary()
+        self._cluster = LocalCluster(
+            n_workers=options.workers,
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=options.worker_memory_bytes,
+            host="127.0.0.1",
+            protocol="tls://",
+            security=security,
+            dashboard_address=None,
+            worker_dashboard_address=None,
+            silence_logs=logging.ERROR,
+        )
+        self._client = Client(self._cluster, security=security, set_as_default=False)
+
+    def _drop(self) -> None:
+        client, cluster, self._client, self._cluster = self._client, self._cluster, None, None
+        self._futures.clear()
+        for part in (client, cluster):
+            if part is not None:
+                with contextlib.suppress(Exception):
+                    part.close(timeout=2)
+
+    def _ended(self, key: str, future: Future, ended: Callable[[Outcome], None]) -> None:
+        outcome = _outcome(future)
+        self._futures.pop(key, None)
+        with contextlib.suppress(Exception):
+            future.release()
+        ended(outcome)
+
+
+def check_scheduler(address: str | None) -> None:
+    """Refuse an address over which anybody could send tasks.
+
+    Raises
+    ------
+    SpecError
+        If it is not encrypted.
+    """
+    if address is not None and urlsplit(address).scheme != "tls":
+        raise SpecError(
+            f"the scheduler's address {address} is not encrypted, and tasks are programs: start it "
+            "with TLS and give tls://host:port (PADSTUDIO_SCHEDULER)",
+            code="invalid_setting",
+        )
+
+
+def _configure() -> None:
+    import dask
+
+    dask.config.set(
+        {
+            # One task a worker: a dead worker is blamed on the task that it worked on.
+            "distributed.scheduler.worker-saturation": 1.0,
+            "distributed.scheduler.allowed-failures": 0,
+            "distributed.worker.memory.target": False,
+            "distributed.worker.memory.spill": False,
+            "distributed.worker.memory.pause": False,
+            "distributed.admin.large-graph-warning-threshold": "1GB",
+            # Large frames come and go; giving their memory back each time costs a sixth.
+            "distributed.nanny.pre-spawn-environ": {
+                "MALLOC_TRIM_THRESHOLD_": 268435456,
+                "MALLOC_MMAP_THRESHOLD_": 268435456,
+                "OMP_NUM_THREADS": 1,
+                "MKL_NUM_THREADS": 1,
+                "OPENBLAS_NUM_THREADS": 1,
+            },
+        }
+    )
+
+
+def _perform(task: Task, stop: str) -> tuple[str, Any]:
+    """In the worker: errors come back as values, as exceptions of ours lose parts in pickling."""
+    from padstudio.flights.tasks import TaskStoppedError
+
+    try:
+        return "value", task.run(_stop_signal(stop))
+    except TaskStoppedError:
+        return "lost", None
+    except StudioError as error:
+        return "refused", error_dict(error)
+
+
+def _stop_signal(name: str) -> Callable[[], bool]:
+    from distributed import Event
+
+    event = Event(name)
+    asked, answer = time.monotonic(), False
+
+    def stopped() -> bool:
+        nonlocal asked, answer
+        if time.monotonic() - asked >= _ASK_EVERY_S:
+            asked, answer = time.monotonic(), bool(event.is_set())
+        return answer
+
+    return stopped
+
+
+def _outcome(future: Future) -> Outcome:
+    from distributed.scheduler import KilledWorker
+
+    try:
+        kind, value = future.result(timeout=60)
+    except KilledWorker:
+        return Outcome(
+            "crashed",
+            error={
+                "code": "worker_crashed",
+                "message": "the process that worked on it died, most likely for lack of memory or "
+                "of damaged data; repair the file, or give workers more memory",
+                "detail": {},
+            },
+        )
+    except (asyncio.CancelledError, concurrent.futures.CancelledError):
+        return Outcome("lost")
+    except Exception as error:
+        if future.status == "error":
+            logger.exception("a task brought a defect to light")
+            message = f"a defect of the program: {error!r}"
+            return Outcome(
+                "crashed", error={"code": "internal_error", "message": message, "detail": {}}
+            )
+        return Outcome("lost")
+    if kind == "refused":
+        return Outcome("refused", error=value)
+    return Outcome("value" if kind == "value" else "lost", value=value)
+
+
+def error_dict(error: StudioError) -> dict[str, Any]:
+    """An error as it is stored and shown."""
+    return {"code": error.error_code, "message": error.message, "detail": error.detail}

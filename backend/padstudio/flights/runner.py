@@ -1,0 +1,192 @@
+"""Brings queued chunks to the engine, and their results to the database."""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from padstudio.errors import StudioError
+from padstudio.flights.chunks import Chunks, Claim
+from padstudio.flights.engine import Engine, Outcome, Task, error_dict
+from padstudio.flights.flight_tables import ChunkRow, FlightRow
+from padstudio.flights.jobs import Flights
+
+logger = logging.getLogger(__name__)
+
+_IDLE_S = 1.0
+_RETRY_S = 5.0
+# A worker whose next task waits beside it need not wait for us.
+_TASKS_PER_WORKER = 2
+
+
+class Runner:
+    """One thread that keeps the engine busy while there is work.
+
+    Parameters
+    ----------
+    flights : Flights
+    chunks : Chunks
+    engine : Engine
+    task_of : callable
+        Makes the task of a flight's chunk; runs in this thread.
+    """
+
+    def __init__(
+        self,
+        flights: Flights,
+        chunks: Chunks,
+        engine: Engine,
+        task_of: Callable[[FlightRow, ChunkRow], Task],
+    ) -> None:
+        self._flights, self._chunks, self._engine = flights, chunks, engine
+        self._task_of = task_of
+        self._ended: queue.SimpleQueue[tuple[Claim, Outcome] | None] = queue.SimpleQueue()
+        self._at_work: dict[str, Claim] = {}
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="flights", daemon=True)
+
+    def start(self) -> None:
+        """Queue what an earlier server left unfinished, and begin."""
+        self._chunks.release_all()
+        self._thread.start()
+
+    def wake(self) -> None:
+        """Look for new or cancelled work now."""
+        self._ended.put(None)
+
+    def close(self) -> None:
+        """Stop; what is unfinished is queued again at the next start."""
+        self._closing.set()
+        self.wake()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._engine.close()
+        self._chunks.release_all()
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            try:
+                self._take_ended()
+                self._stop_unwanted()
+                if not self._flights.purge():
+                    self._fill()
+            except SQLAlchemyError:
+                logger.exception("the database cannot be used; trying again")
+                self._closing.wait(_RETRY_S)
+            except Exception:
+                logger.exception("the work on flights was interrupted; going on")
+                self._closing.wait(_RETRY_S)
+
+    def _fill(self) -> None:
+        """Claim as much as the engine can do."""
+        limit = 1 if not self._at_work else self._room()
+        if limit <= 0:
+            return
+        for claim in self._chunks.claim(limit):
+            try:
+                self._submit(claim)
+            except BaseException:
+                self._chunks.release(claim)
+                raise
+
+    def _room(self) -> int:
+        return self._engine.capacity * _TASKS_PER_WORKER - len(self._at_work)
+
+    def _submit(self, claim: Claim) -> None:
+        loaded = self._chunks.load(claim)
+        if loaded is None:
+            return
+        try:
+            task = self._task_of(*loaded)
+        except StudioError as error:
+            self._chunks.fail(claim, error_dict(error))
+            return
+        key = f"chunk-{claim.chunk}-{claim.attempt}"
+        self._at_work[key] = claim
+        try:
+            self._engine.submit(key, task, partial(self._on_ended, claim))
+        except BaseException:
+            self._at_work.pop(key, None)
+            raise
+
+    def _on_ended(self, claim: Claim, outcome: Outcome) -> None:
+        self._ended.put((claim, outcome))
+
+    def _take_ended(self) -> None:
+        """Wait for something to happen, and bring all that did to the database."""
+        wait: float | None = _IDLE_S
+        while True:
+            try:
+                ended = self._ended.get(timeout=wait)
+            except queue.Empty:
+                return
+            wait = 0
+            if ended is not None:
+                self._take(*ended)
+
+    def _take(self, claim: Claim, outcome: Outcome) -> None:
+        try:
+            self._store(claim, outcome)
+        except SQLAlchemyError as error:
+            logger.exception("a result cannot be stored")
+            self._store_failed(claim, error)
+        self._at_work.pop(f"chunk-{claim.chunk}-{claim.attempt}", None)
+
+    def _store(self, claim: Claim, outcome: Outcome) -> None:
+        error = outcome.error or {}
+        if outcome.kind == "lost":
+            self._chunks.release(claim)
+        elif outcome.kind == "crashed":
+            self._chunks.crash(claim, error)
+        elif outcome.kind == "refused":
+            self._chunks.fail(claim, error)
+        elif claim.is_plan:
+            self._chunks.finish_plan(claim, outcome.value)
+        else:
+            self._chunks.finish(claim, outcome.value)
+
+    def _store_failed(self, claim: Claim, error: SQLAlchemyError) -> None:
+        """A full disk ends the flight by name; the chunk's frames were not taken at all."""
+        full = "full" in str(error.__cause__ or error).lower()
+        what: dict[str, Any] = {
+            "code": "disk_full" if full else "storage",
+            "message": "the results could not be stored: the disk that holds the database is full; "
+            "make room and try the flight again"
+            if full
+            else f"the results could not be stored: {error.__cause__ or error}",
+            "detail": {},
+        }
+        while not self._closing.is_set():
+            try:
+                self._chunks.fail(claim, what)
+                return
+            except SQLAlchemyError:
+                time.sleep(_RETRY_S)
+
+    def _stop_unwanted(self) -> None:
+        """Stop tasks that were cancelled, and give up those that hang."""
+        claims = dict(self._at_work)
+        for key, claim in claims.items():
+            if not self._chunks.is_current(claim):
+                self._engine.stop(key)
+                self._at_work.pop(key, None)
+        for claim in self._chunks.expired(list(claims.values())):
+            key = f"chunk-{claim.chunk}-{claim.attempt}"
+            self._chunks.crash(
+                claim,
+                {
+                    "code": "time_limit",
+                    "message": "the work took longer than its limit and was ended; the file may be "
+                    "damaged, or raise the limit in the settings",
+                    "detail": {},
+                },
+            )
+            self._engine.restart_worker_of(key)
+            self._at_work.pop(key, None)
