@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -49,10 +50,6 @@ class Lines:
         """(M, 3) float64: unit normal and offset, so that (x, y, 1) · line is a distance."""
         return homogeneous(self.ends)
 
-    def take(self, which: NDArray[np.intp]) -> Lines:
-        """Some of the lines."""
-        return Lines(self.ends[which], self.support[which], self.segments, self.edges)
-
 
 def find_merged_lines(edges: EdgeMap) -> Lines | StageFailure:
     """Probabilistic Hough transform; near-collinear segments become one line each.
@@ -76,9 +73,15 @@ def find_merged_lines(edges: EdgeMap) -> Lines | StageFailure:
     # A distorted line is straight over a segment's length, but not over a family's.
     segments = edges.straighten(segments.reshape(-1, 2)).reshape(-1, 2, 2)
     points = edges.straighten(edges.points)
-    ends, support = _merge(segments, _lengths(segments))
+    groups = _merge(segments, _lengths(segments))
+    ends, support = _joined(segments, groups)
+    most = np.argsort(-support, kind="stable")[:_MOST_LINES]
     # Short pieces point a little astray; once lines are long, what is left over finds its line.
-    ends, support = _merge(_sharpen(ends[:_MOST_LINES], points), support[:_MOST_LINES])
+    again = _merge(_sharpen(ends[most], points), support[most])
+    groups = [np.concatenate([groups[most[k]] for k in group]) for group in again]
+    ends, support = _joined(segments, groups)
+    order = np.argsort(-support, kind="stable")
+    ends, support = ends[order], support[order]
     return Lines(_sharpen(ends, points), support, segments, edges)
 
 
@@ -112,24 +115,30 @@ def _lengths(ends: Array) -> Array:
     return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), float)
 
 
-def _merge(pieces: Array, support: Array) -> tuple[Array, Array]:
-    """Join pieces that lie on one line, the best supported first."""
+def _merge(pieces: Array, support: Array) -> list[NDArray[np.intp]]:
+    """Groups of pieces that lie on one line, the best supported piece first."""
     free = np.ones(len(pieces), bool)
-    ends, covered = [], []
+    groups = []
     for k in np.argsort(-support, kind="stable"):
         if not free[k]:
             continue
-        line = homogeneous(pieces[k : k + 1])[0]
-        members = free & _on(line, pieces)
+        members = free & _on(homogeneous(pieces[k : k + 1])[0], pieces)
         members[k] = True
-        line = _through(pieces[members].reshape(-1, 2))
-        members |= free & _on(line, pieces)
+        members |= free & _on(_through(pieces[members].reshape(-1, 2)), pieces)
         free &= ~members
-        first, last, length = _cover(line, pieces[members])
+        groups.append(np.flatnonzero(members))
+    return groups
+
+
+def _joined(pieces: Array, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
+    """Ends (M, 2, 2) of the lines through groups of pieces, and the length that they cover."""
+    ends, support = [], []
+    for group in groups:
+        line = _through(pieces[group].reshape(-1, 2))
+        first, last, length = _cover(line, pieces[group])
         ends.append([first, last])
-        covered.append(length)
-    order = np.argsort(-np.array(covered), kind="stable")
-    return np.array(ends)[order], np.array(covered)[order]
+        support.append(length)
+    return np.array(ends), np.array(support)
 
 
 def _on(line: Array, pieces: Array) -> NDArray[np.bool_]:
