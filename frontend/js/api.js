@@ -1,5 +1,6 @@
 /**
- * The only module that talks to the server.
+ * Talks to the server about pads, cameras and pictures; flightsApi.js does so about flights, and
+ * tusUpload.js sends files. No other module does.
  *
  * @typedef {import("./specLogic.js").PadSpec} PadSpec
  * @typedef {import("./padLogic.js").PadFile} PadFile
@@ -49,7 +50,7 @@ export class ApiError extends Error {
  * @param {{json?: unknown, form?: Record<string, string | Blob>, signal?: AbortSignal}} [options]
  * @returns {Promise<any>}
  */
-async function request(method, path, { json, form, signal } = {}) {
+export async function request(method, path, { json, form, signal } = {}) {
   /** @type {RequestInit} */
   const init = { method, signal, headers: { Accept: "application/json" } };
   if (json !== undefined) {
@@ -65,18 +66,23 @@ async function request(method, path, { json, form, signal } = {}) {
     response = await fetch(ROOT + path, init);
   } catch (error) {
     if (signal?.aborted) throw error;
-    const message = "The studio does not answer. Check that it is running, then try again.";
-    throw new ApiError({ status: 0, code: "unreachable", message });
+    throw unreachable();
   }
   if (!response.ok) throw await refusal(response);
   return response.status === 204 ? null : response.json();
+}
+
+/** @returns {ApiError} where nothing answers */
+export function unreachable() {
+  const message = "The studio does not answer. Check that it is running, then try again.";
+  return new ApiError({ status: 0, code: "unreachable", message });
 }
 
 /**
  * @param {Response} response
  * @returns {Promise<ApiError>}
  */
-async function refusal(response) {
+export async function refusal(response) {
   const { status } = response;
   const body = await response.json().catch(() => null);
   if (body?.error?.message) return new ApiError({ status, ...body.error });
