@@ -71,6 +71,8 @@ class UploadRow(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
     name: Mapped[str] = mapped_column(String(200))
     size_bytes: Mapped[int] = mapped_column(BigInteger)
+    #: The protocol's header, to be given back as it came.
+    tus_metadata: Mapped[str] = mapped_column(Text)
     #: When a partial upload is given up; None once it is complete.
     expires_at: Mapped[datetime | None] = mapped_column(UtcDateTime, index=True)
     #: Bytes from here on wait for their checksum; None where all are taken.

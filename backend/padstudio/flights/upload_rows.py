@@ -31,6 +31,8 @@ class Upload:
         Bytes that are there.
     expires_at : datetime or None
         UTC; None once it is complete.
+    metadata : str
+        The header that the sender announced it with, unread.
     sha256, kind, media_type : str or None
         Hexadecimal; `padstudio.flights.content.Content`; None until it is complete.
     """
@@ -41,6 +43,7 @@ class Upload:
     size_bytes: int
     offset: int
     expires_at: datetime | None = None
+    metadata: str = ""
     sha256: str | None = None
     kind: content.Kind | None = None
     media_type: str | None = None
@@ -73,6 +76,7 @@ class UploadRows:
                     created_at=upload.created_at,
                     name=upload.name,
                     size_bytes=upload.size_bytes,
+                    tus_metadata=upload.metadata,
                     expires_at=upload.expires_at,
                 )
             )
@@ -156,6 +160,7 @@ class UploadRows:
             row.size_bytes,
             offset,
             row.expires_at,
+            row.tus_metadata,
             row.sha256,
             row.kind,  # type: ignore[arg-type]
             row.media_type,

@@ -43,7 +43,7 @@ class Uploads:
         self._appending: set[str] = set()
         self._recover()
 
-    def create(self, name: str, size_bytes: int) -> Upload:
+    def create(self, name: str, size_bytes: int, *, metadata: str = "") -> Upload:
         """Announce an upload.
 
         Parameters
@@ -52,6 +52,8 @@ class Uploads:
             Shown to people, at most 200 characters.
         size_bytes : int
             Of the whole file.
+        metadata : str
+            Kept as it is.
 
         Raises
         ------
@@ -61,7 +63,7 @@ class Uploads:
         self.expire()
         upload_limits.check_size(size_bytes, self.limits)
         now = datetime.now(UTC)
-        upload = Upload(new_id(), now, name, size_bytes, 0, self._expiry(now))
+        upload = Upload(new_id(), now, name, size_bytes, 0, self._expiry(now), metadata)
         with self._lock:
             # One that is sealed but not yet moved counts among the kept.
             unfinished = [other for other in self._rows.unfinished() if other.sha256 is None]

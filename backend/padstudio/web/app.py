@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -14,8 +15,10 @@ from padstudio import __version__, resources
 from padstudio.errors import SpecError
 from padstudio.flights import analysis
 from padstudio.flights.store import Store
+from padstudio.flights.upload_limits import UploadLimits
 from padstudio.flights.workers import WorkerPool
-from padstudio.web import cameras, detect, errors, health, pads, pages, samples
+from padstudio.flights.zip_stills import ZipLimits
+from padstudio.web import cameras, detect, errors, health, pads, pages, samples, uploads
 from padstudio.web.security import Guard
 from padstudio.web.services import Analyze, Services
 from padstudio.web.settings import Settings, load_settings
@@ -66,12 +69,15 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
             settings.database_url,
             keep_traces=settings.keep_traces,
             keep_trace_bytes=settings.keep_trace_bytes,
+            upload_limits=_upload_limits(settings),
         )
         pool = WorkerPool(settings.workers, settings.worker_memory_bytes, settings.max_waiting)
         app.state.services = Services(settings, store, pool, analyze)
+        expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))
         try:
             yield
         finally:
+            expiry.cancel()
             pool.close()
             store.close()
 
@@ -88,8 +94,20 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.state.settings = settings
     errors.install(app)
     app.add_middleware(Guard, settings=settings)
-    for resource in (health, pads, cameras, detect, samples):
+    for resource in (health, pads, cameras, detect, samples, uploads):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")
     return app
+
+
+def _upload_limits(settings: Settings) -> UploadLimits:
+    return UploadLimits(
+        file_bytes=settings.max_flight_bytes,
+        total_bytes=settings.keep_upload_bytes,
+        unfinished=settings.max_unfinished_uploads,
+        expires_s=settings.upload_expires_seconds,
+        telemetry_bytes=settings.max_telemetry_bytes,
+        still_pixels=settings.max_image_pixels,
+        zip=ZipLimits(settings.max_zip_files, settings.max_zip_bytes, settings.max_zip_ratio),
+    )

@@ -15,13 +15,14 @@ from starlette.responses import HTMLResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from padstudio.errors import AccessError
-from padstudio.web import errors
+from padstudio.web import errors, tus
 from padstudio.web.headers import SECURITY_HEADERS
 from padstudio.web.settings import Settings, is_loopback
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Enough to tell a health check that the server is up; it says nothing else.
 _OPEN_PATHS = frozenset({"/api/v1/health"})
+_TUS_PATH = "/api/v1/uploads"
 
 
 class TokenError(AccessError):
@@ -174,6 +175,8 @@ def _limited(request: Request, receive: Receive, settings: Settings) -> Receive:
     """The request's body, counted as it arrives: a declared length need not be there or true."""
     is_upload = request.headers.get("content-type", "").startswith("multipart/form-data")
     stated = settings.max_upload_bytes if is_upload else settings.max_request_bytes
+    if tus.carries_bytes(request.headers) and request.url.path.startswith(_TUS_PATH):
+        stated = settings.max_flight_bytes
     # The parts' headers and the form's other fields come on top of the file.
     limit = stated + (settings.max_request_bytes if is_upload else 0)
     # A client that asks before it sends can be told at once.

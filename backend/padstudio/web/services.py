@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, TypeVar
 from urllib.parse import quote
 
@@ -16,6 +16,7 @@ from padstudio.flights.store import Store
 from padstudio.flights.workers import WorkerPool
 from padstudio.web.schemas import ErrorBody
 from padstudio.web.settings import Settings
+from padstudio.web.turns import Turns
 
 ResultT = TypeVar("ResultT")
 Analyze = Callable[[analysis.Job], dict[str, Any]]
@@ -34,12 +35,15 @@ class Services:
     pool : WorkerPool
     analyze : callable
         `padstudio.flights.analysis.analyze`, or what stands in for it.
+    turns : Turns
+        At uploads.
     """
 
     settings: Settings
     store: Store
     pool: WorkerPool
     analyze: Analyze
+    turns: Turns = field(default_factory=Turns)
 
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
         """Call a function in a worker process; raises as `WorkerPool.submit` and its future."""

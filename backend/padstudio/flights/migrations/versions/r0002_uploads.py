@@ -16,6 +16,7 @@ def upgrade() -> None:
         sa.Column("created_at", sa.DateTime(timezone=True), nullable=False),
         sa.Column("name", sa.String(200), nullable=False),
         sa.Column("size_bytes", sa.BigInteger, nullable=False),
+        sa.Column("tus_metadata", sa.Text, nullable=False),
         sa.Column("expires_at", sa.DateTime(timezone=True)),
         sa.Column("unverified_from", sa.BigInteger),
         sa.Column("sha256", sa.String(64)),
