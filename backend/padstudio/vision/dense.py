@@ -130,7 +130,7 @@ class Dense:
         """
         pyramid, camera = self._prepare(bgr, recorder)
         motion = expected.pose if expected.known else None
-        refiner = Refiner(pyramid, camera, self.pad, self.params, 1, motion)
+        refiner = Refiner(pyramid, camera, self.pad, self.params, 0, motion)
         measurement = recorder.run("pose", None, _best_of, refiner, [expected.pose], np.inf)
         detection, reads = self._judge(refiner, measurement, recorder)
         for read in reads:

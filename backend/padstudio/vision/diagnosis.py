@@ -80,7 +80,8 @@ def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:
     StageFailure
         Of the same stage.
     """
-    for check in _CHECKS:
+    checks = _CHECKS if failure.reason is not Reason.TOO_FEW_CELLS else ()
+    for check in checks:
         for reason, detail, advice in check(suspect):
             return replace(
                 failure, reason=reason, detail=f"{detail}; {failure.detail}", advice=advice
@@ -136,7 +137,12 @@ def _size(suspect: Suspect) -> Iterator[Finding]:
 
 
 def _blur(suspect: Suspect) -> Iterator[Finding]:
-    """Motion blur flattens steps across its direction and leaves those along it."""
+    """Motion blur flattens steps across its direction and leaves those along it.
+
+    Only where the pad's colour is seen: other things may well have edges of one direction.
+    """
+    if not suspect.seen:
+        return
     plane = _sample(suspect)
     energy = []
     angles = np.arange(0, 180, 15)

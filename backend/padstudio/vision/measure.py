@@ -30,6 +30,8 @@ from padstudio.vision.view import to_pad, visible_range
 _REACH_PX = 6.0
 _CELL_PX = 9.0
 _LEAST_BORDERS = 12
+# So many places lie within reach of an expected pose.
+_NEAR_BY = 25
 # So many borders decide between a still and a moving camera; all of them then fit the pose.
 _DECIDING = 800
 
@@ -105,8 +107,9 @@ class Refiner:
         At the frame's size.
     pad : Pad
     params : DetectorParams
-    places : int
-        Among how many places of the pad the first pose was chosen; it weakens the evidence.
+    attempts : int
+        How many lattices were tried all over the pad before the first pose; it weakens the
+        evidence. 0 where the pose was expected: then only places near by compete.
     motion : MovingPose or None
         A pose whose change within the frame is known.
     """
@@ -115,7 +118,7 @@ class Refiner:
     camera: Camera
     pad: Pad
     params: DetectorParams
-    places: int
+    attempts: int
     motion: MovingPose | None = None
 
     def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
@@ -224,7 +227,8 @@ class Refiner:
             return None
         expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
         if places is None:
-            places = 4 * layer.rows * layer.cols * self.places
+            everywhere = 4 * layer.rows * layer.cols * self.attempts
+            places = everywhere if self.attempts else _NEAR_BY
         evidence = judge(cells.levels(self.pad.levels), expected, self.pad.levels, places)
         area = float(cells.seen.sum()) * layer.cell_mm**2
         return LayerRead(layer, cells, expected, evidence, area)

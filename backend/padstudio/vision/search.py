@@ -58,6 +58,7 @@ class Miss:
     region: Region
     level: int
     cells: int = 0
+    match: float = 0.0
 
 
 def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]:
@@ -99,8 +100,8 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
 
 
 def _nearer(a: Miss, b: Miss) -> Miss:
-    """The failure of the later stage; of two, the one that rests on more cells."""
-    return max(a, b, key=lambda miss: (_ORDER[miss.failure.stage], miss.cells))
+    """The failure of the later stage; of two, the better match, then the one of more cells."""
+    return max(a, b, key=lambda miss: (_ORDER[miss.failure.stage], miss.match, miss.cells))
 
 
 def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region, int]]:
@@ -118,6 +119,8 @@ def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region
 # Lattices of less order are tried only when a round has found no better one, and not many.
 _CLEAR_ORDER = 0.85
 _MOST_UNSURE = 6
+# Cells that agree so well, but are too few to be sure, are a matter of number.
+_ALIKE = 0.8
 _ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
 
 
@@ -200,16 +203,19 @@ def place(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
     evidence = best.evidence
     failure = StageFailure(
         "decode",
-        Reason.UNKNOWN_CODE,
+        Reason.TOO_FEW_CELLS if evidence.skill > _ALIKE else Reason.UNKNOWN_CODE,
         f"read {evidence.read} cells; at the best place of this pad {evidence.wrong} differ "
         f"(chance of such a match 10^{evidence.log10_false_alarm:.1f}, "
         f"10^{frame.params.log10_false_alarm:.0f} is needed)",
     )
-    return Miss(failure, region, level, evidence.read)
+    return Miss(failure, region, level, evidence.read, -evidence.log10_false_alarm)
 
 
 def _read(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
     def to_pixels(coordinates: Array) -> Array:
         return frame.camera.denormalize(lattice.to_rays(coordinates))
 
-    return read_cells(frame.pyramid, channel, to_pixels, lattice.columns, lattice.rows)
+    # Beyond the last line in view lie cells that are cut by the frame's edge.
+    columns = (lattice.columns[0] - 1, lattice.columns[1] + 1)
+    rows = (lattice.rows[0] - 1, lattice.rows[1] + 1)
+    return read_cells(frame.pyramid, channel, to_pixels, columns, rows)
