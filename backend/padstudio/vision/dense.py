@@ -115,8 +115,8 @@ class Dense:
         """The pose of a sighting, and every layer's cells read with it."""
         recorder = frame.recorder
         starts = recorder.run("pose", None, self._first_poses, found)
-        places = len(frame.lattices) * len(self.indices)
-        refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, places)
+        attempts = len(frame.lattices) * len(self.indices)
+        refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, attempts)
         good_mm = found.placement.layer.cell_mm
         measurement = recorder.run(
             "pose", None, _best_of, refiner, [MovingPose(p) for p in starts], good_mm
