@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from padstudio.pad import coding, verify
+from padstudio.pad import coding, tables, verify
 from padstudio.pad import files as pad_files
-from padstudio.pad.spec import Pad
+from padstudio.pad.spec import Layer, Pad
 
 
 @dataclass(frozen=True)
@@ -46,15 +46,76 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
         As `generate_pad`.
     """
     pad = coding.generate_pad(**spec, budget_s=budget_s)
+    return Design(pad_files.dumps(pad), summarize(pad), _verify(pad))
+
+
+def verify_content(content: str) -> dict[str, Any]:
+    """What holds for a pad file's finest layer, as `Verification.to_dict` and its ``channel``."""
+    return _verify(pad_files.loads(content))
+
+
+@dataclass(frozen=True)
+class TableSizes:
+    """What a table or a picture of one pixel a cell does not say of its pad.
+
+    Attributes
+    ----------
+    name : str
+    window : int
+    levels : int or None
+        None takes as many as occur.
+    cell_mm : float
+    ratio : int
+        As of `padstudio.pad.coding.generate_pad`.
+    quiet_mm : float
+    """
+
+    name: str = "pad"
+    window: int = 5
+    levels: int | None = None
+    cell_mm: float = 10.0
+    ratio: int = 1
+    quiet_mm: float = 0.0
+
+
+def read(content: bytes, suffix: str, sizes: TableSizes) -> Design:
+    """Read an imported file: a pad file, or by its suffix a table or picture of the red layer.
+
+    Raises
+    ------
+    PadFormatError
+        With the place and the reason.
+    """
+    pad = pad_files.loads(content) if suffix in ("", ".json") else _of_table(content, suffix, sizes)
+    return Design(pad_files.dumps(pad), summarize(pad))
+
+
+def _of_table(content: bytes, suffix: str, sizes: TableSizes) -> Pad:
+    field = tables.read_field(content, suffix, levels=sizes.levels)
+    levels = sizes.levels or max(2, int(field.max()) + 1)
+    layers = [Layer("red", sizes.cell_mm, field)]
+    if sizes.ratio > 1:
+        blue = field[: field.shape[0] // sizes.ratio, : field.shape[1] // sizes.ratio]
+        layers.append(Layer("blue", sizes.ratio * sizes.cell_mm, blue))
+    pad = Pad(
+        layers=tuple(layers),
+        window=sizes.window,
+        levels=levels,
+        quiet_mm=sizes.quiet_mm,
+        name=sizes.name,
+    )
+    found = verify.verify_field(field, sizes.window, levels)
+    if not found.unique:
+        return pad
+    if found.unique_under_rotation:
+        return replace(pad, unique="rotation", distance=found.min_distance_under_rotation)
+    return replace(pad, unique="plain", distance=found.min_distance)
+
+
+def _verify(pad: Pad) -> dict[str, Any]:
     finest = max(pad.layers, key=lambda layer: layer.field.size)
     found = verify.verify_field(finest.field, pad.window, pad.levels)
-    return Design(pad_files.dumps(pad), summarize(pad), found.to_dict())
-
-
-def read(content: bytes) -> Design:
-    """Read an imported pad file; raises `PadFormatError` with the place and the reason."""
-    pad = pad_files.loads(content)
-    return Design(pad_files.dumps(pad), summarize(pad))
+    return {"channel": finest.channel, **found.to_dict()}
 
 
 def summarize(pad: Pad) -> dict[str, Any]:
@@ -77,4 +138,5 @@ def summarize(pad: Pad) -> dict[str, Any]:
         "method": pad.method,
         "unique": pad.unique,
         "distance": pad.distance,
+        "scale": list(pad.scale),
     }

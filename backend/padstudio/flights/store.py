@@ -93,6 +93,16 @@ class Shelf(Generic[RowT]):
             raise self._missing()
         return Stored(row.id, row.created_at, row.summary, row.content)
 
+    def replace(self, item_id: str, content: str, summary: Mapping[str, Any]) -> Stored:
+        """Put another file in the place of one; raises as `get`."""
+        with self._session.begin() as session:
+            row = session.get(self._table, item_id)
+            if row is None:
+                raise self._missing()
+            row.content, row.summary = content, dict(summary)
+            created_at = row.created_at
+        return Stored(item_id, created_at, summary, content)
+
     def delete(self, item_id: str) -> None:
         """Remove one of them; raises as `get`."""
         table = self._table
@@ -126,6 +136,8 @@ class Store:
     pads, cameras : Shelf
     traces : Traces
     uploads : Uploads
+    session : sessionmaker
+        Of the database, for the flights in it.
 
     Raises
     ------
@@ -148,7 +160,7 @@ class Store:
         except BaseException:
             self.folder.close()
             raise
-        session = sessionmaker(self._engine, expire_on_commit=False)
+        session = self.session = sessionmaker(self._engine, expire_on_commit=False)
         self.pads = Shelf(session, PadRow, "pad")
         self.cameras = Shelf(session, CameraRow, "camera")
         self.traces = Traces(

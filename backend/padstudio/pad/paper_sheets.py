@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from padstudio.errors import LimitError, SpecError
-from padstudio.pad.layout import Layout, layout
 from padstudio.pad.paper import NO_BANDS, Bands, Box, Paper, parse_paper, usable_box
 from padstudio.pad.paper_seams import find_seams
 from padstudio.pad.spec import Pad
@@ -185,7 +184,7 @@ def plan_sheets(pad: Pad, options: SheetOptions | None = None) -> SheetPlan:
         If more than `MAX_SHEETS` sheets were needed.
     """
     options = options or SheetOptions()
-    page = layout(pad)
+    page = (pad.width_mm + 2 * pad.quiet_mm, pad.height_mm + 2 * pad.quiet_mm)
     if options.paper.strip().lower() == "own":
         return _arrange(pad, page, _own_paper(page, options), options)
     paper = parse_paper(options.paper)
@@ -206,17 +205,17 @@ def sheet_name(row: int, col: int) -> str:
     return f"{letters}{col + 1}"
 
 
-def _own_paper(page: Layout, options: SheetOptions) -> Paper:
+def _own_paper(page: tuple[float, float], options: SheetOptions) -> Paper:
     """A sheet that fits the page, its bands and the printer's margins."""
     bands, margin = options.bands, 2 * options.margin_mm
     # Room for a 200 mm ruler, where there are rulers.
     least = 200.0 + margin if options.furniture else 0.0
-    width = max(page.page_width_mm + bands.left + bands.right + margin, least)
-    height = max(page.page_height_mm + bands.top + bands.bottom + margin, least)
+    width = max(page[0] + bands.left + bands.right + margin, least)
+    height = max(page[1] + bands.top + bands.bottom + margin, least)
     return Paper("own size", width, height)
 
 
-def _arrange(pad: Pad, page: Layout, paper: Paper, options: SheetOptions) -> SheetPlan:
+def _arrange(pad: Pad, page: tuple[float, float], paper: Paper, options: SheetOptions) -> SheetPlan:
     box = usable_box(paper, options.margin_mm, options.bands)
     under = options.overlap_mm if options.joint == "overlap" else 0.0
     (x, x_on_cells), (y, y_on_cells) = (
@@ -229,8 +228,8 @@ def _arrange(pad: Pad, page: Layout, paper: Paper, options: SheetOptions) -> She
             on_cells=options.seams == "cells",
         )
         for length, usable in (
-            (page.page_width_mm, box.width),
-            (page.page_height_mm, box.height),
+            (page[0], box.width),
+            (page[1], box.height),
         )
     )
     count = (len(x) + 1) * (len(y) + 1)
@@ -239,13 +238,13 @@ def _arrange(pad: Pad, page: Layout, paper: Paper, options: SheetOptions) -> She
             f"the pad would take {count} sheets of {paper.name}; the limit is {MAX_SHEETS}: take a "
             "larger paper, or one page of the pad's own size"
         )
-    columns = [0.0, *x, page.page_width_mm]
-    lines = [0.0, *y, page.page_height_mm]
+    columns = [0.0, *x, page[0]]
+    lines = [0.0, *y, page[1]]
     return SheetPlan(
         options=options,
         paper=paper,
-        page_width_mm=page.page_width_mm,
-        page_height_mm=page.page_height_mm,
+        page_width_mm=page[0],
+        page_height_mm=page[1],
         x_seams_mm=tuple(x),
         y_seams_mm=tuple(y),
         on_cells=x_on_cells and y_on_cells,

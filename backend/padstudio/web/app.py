@@ -18,7 +18,19 @@ from padstudio.flights.store import Store
 from padstudio.flights.upload_limits import UploadLimits
 from padstudio.flights.workers import WorkerPool
 from padstudio.flights.zip_stills import ZipLimits
-from padstudio.web import cameras, detect, errors, health, pads, pages, samples, uploads
+from padstudio.web import (
+    cameras,
+    coverage,
+    detect,
+    errors,
+    health,
+    pads,
+    pages,
+    printing,
+    samples,
+    simulate,
+    uploads,
+)
 from padstudio.web.security import Guard
 from padstudio.web.services import Analyze, Services
 from padstudio.web.settings import Settings, load_settings
@@ -94,7 +106,7 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.state.settings = settings
     errors.install(app)
     app.add_middleware(Guard, settings=settings)
-    for resource in (health, pads, cameras, detect, samples, uploads):
+    for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage, simulate):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

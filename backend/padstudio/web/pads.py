@@ -1,39 +1,38 @@
-"""Pads: preview, create, import, list, get, delete, files."""
+"""Pads: preview, create, import, list, get, verify, delete."""
 
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal
+import math
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Annotated, Any
 
-from fastapi import APIRouter, File, Query, Response, UploadFile
+from fastapi import APIRouter, Depends, File, Query, Response, UploadFile
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import FileResponse
-from starlette.background import BackgroundTask
 
 from padstudio.errors import LimitError
 from padstudio.flights import design
 from padstudio.flights.store import Stored
-from padstudio.flights.store_files import remove
-from padstudio.web import painting
-from padstudio.web.schemas import PadDetail, PadList, PadPreview, PadSpec, PadSummary
-from padstudio.web.services import ERRORS, ItemId, Services, Shared, attachment, check_size
+from padstudio.pad import bounds
+from padstudio.pad.field_spec import FieldSpec
+from padstudio.pad.spec import MAX_CELLS
+from padstudio.web.cameras import file_name
+from padstudio.web.schemas import (
+    PadDetail,
+    PadList,
+    PadPreview,
+    PadSpec,
+    PadSummary,
+    PadVerification,
+)
+from padstudio.web.schemas_pads import PadBounds, table_sizes
+from padstudio.web.services import ERRORS, ItemId, Services, Shared, check_size
 
 router = APIRouter(prefix="/pads", tags=["pads"], responses=ERRORS)
 
 # Ends a search that does not look at its own budget.
 _GRACE_S = 15.0
-_FILE_EXAMPLES: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The file, as an attachment.",
-        "content": {
-            "application/json": {"schema": {"type": "object"}, "example": {"format": "..."}},
-            **{
-                media_type: {"schema": {"type": "string", "format": "binary"}}
-                for media_type in painting.MEDIA_TYPES.values()
-            },
-        },
-    }
-}
 
 
 @router.post(
@@ -53,13 +52,34 @@ async def create_pad(spec: PadSpec, shared: Shared) -> PadSummary:
     return await _store(made, shared)
 
 
-@router.post("/import", operation_id="importPad", summary="Store a pad file", status_code=201)
+@router.post(
+    "/bounds", operation_id="getPadBounds", summary="What can be known of a pad beforehand"
+)
+def get_pad_bounds(spec: PadSpec) -> PadBounds:
+    return PadBounds(**_bounds_record(bounds.bounds(_field_spec(spec))))
+
+
+@router.post(
+    "/import",
+    operation_id="importPad",
+    summary="Store a pad file, or a table or picture of a field",
+    status_code=201,
+)
 async def import_pad(
-    file: Annotated[UploadFile, File(description="A pad file (JSON).")], shared: Shared
+    file: Annotated[
+        UploadFile,
+        File(description="A pad file (.json), .csv, .npy, .field, or one pixel a cell."),
+    ],
+    shared: Shared,
+    sizes: Annotated[design.TableSizes, Depends(table_sizes)],
 ) -> PadSummary:
-    check_size(file.size, shared.settings.max_upload_bytes, "pad file")
-    content = await file.read()
-    made = await shared.run(design.read, content, timeout_s=shared.settings.generate_seconds)
+    check_size(file.size, shared.settings.max_upload_bytes, "file")
+    path = PurePosixPath(file_name(file, "pad"))
+    made = await shared.run(
+        design.read,
+        *(await file.read(), path.suffix.lower(), replace(sizes, name=sizes.name or path.stem)),
+        timeout_s=shared.settings.generate_seconds,
+    )
     return await _store(made, shared)
 
 
@@ -70,7 +90,7 @@ def list_pads(
     offset: Annotated[int, Query(ge=0, le=2**31)] = 0,
 ) -> PadList:
     stored, total = shared.store.pads.list(limit, offset)
-    return PadList(items=[_summary(item) for item in stored], total=total)
+    return PadList(items=[pad_summary(item) for item in stored], total=total)
 
 
 @router.get(
@@ -78,50 +98,27 @@ def list_pads(
 )
 def get_pad(pad_id: ItemId, shared: Shared) -> Response:
     stored = shared.store.pads.get(pad_id)
-    return _with_content(_summary(stored).model_dump(mode="json"), stored.content or "")
+    return _with_content(pad_summary(stored).model_dump(mode="json"), stored.content or "")
+
+
+@router.get(
+    "/{pad_id}/verification",
+    operation_id="verifyPad",
+    summary="Prove the properties of a stored pad",
+)
+async def verify_pad(pad_id: ItemId, shared: Shared) -> PadVerification:
+    stored = await run_in_threadpool(shared.store.pads.get, pad_id)
+    found = await shared.run(
+        design.verify_content,
+        stored.content or "",
+        timeout_s=shared.settings.generate_seconds,
+    )
+    return PadVerification(verification=found)
 
 
 @router.delete("/{pad_id}", operation_id="deletePad", summary="Remove a pad", status_code=204)
 def delete_pad(pad_id: ItemId, shared: Shared) -> None:
     shared.store.pads.delete(pad_id)
-
-
-@router.get(
-    "/{pad_id}/files/pad.{kind}",
-    operation_id="getPadFile",
-    summary="A pad as a file: for programs, for print, to look at",
-    response_class=FileResponse,
-    responses=_FILE_EXAMPLES,
-)
-async def get_pad_file(
-    pad_id: ItemId,
-    kind: Literal["json", "pdf", "svg", "png"],
-    shared: Shared,
-    dpi: Annotated[float, Query(ge=1, le=2400, description="Of the PNG.")] = painting.DEFAULT_DPI,
-) -> Response:
-    stored = await run_in_threadpool(shared.store.pads.get, pad_id)
-    content = stored.content or ""
-    headers = attachment(stored.summary["name"], f".{kind}")
-    if kind == "json":
-        return Response(content, media_type="application/json", headers=headers)
-    folder = await run_in_threadpool(shared.store.folder.work_folder)
-    target = folder / f"pad.{kind}"
-    settings = shared.settings
-    try:
-        await shared.run(
-            painting.paint,
-            *(content, kind, dpi, settings.max_paint_pixels, target),
-            timeout_s=settings.paint_seconds,
-        )
-    except BaseException:
-        remove(folder)
-        raise
-    return FileResponse(
-        target,
-        media_type=painting.MEDIA_TYPES[kind],
-        headers=headers,
-        background=BackgroundTask(remove, folder),
-    )
 
 
 async def _generate(spec: PadSpec, shared: Services) -> design.Design:
@@ -134,18 +131,50 @@ async def _generate(spec: PadSpec, shared: Services) -> design.Design:
     ):
         if value > limit:
             raise LimitError(f"{name} is {value}; this server makes pads of at most {limit}")
+    # What no search can find is refused here, at once.
+    bounds.check_possible(_field_spec(spec))
     budget_s = settings.generate_seconds
     return await shared.run(
         design.generate, spec.model_dump(), budget_s, timeout_s=budget_s + _GRACE_S
     )
 
 
+def _field_spec(spec: PadSpec) -> FieldSpec:
+    return FieldSpec(
+        rows=spec.rows,
+        cols=spec.cols,
+        window=spec.window,
+        levels=spec.levels,
+        unique=spec.unique,
+        distance=spec.distance,
+        visible_lines=spec.visible_lines,
+        method=spec.method,
+    )
+
+
+def _bounds_record(found: bounds.Bounds) -> dict[str, Any]:
+    """Counts as logarithms: many are beyond what JSON readers hold."""
+    counts = {
+        "log10_possible": found.windows_possible,
+        "log10_allowed": found.windows_allowed,
+        "log10_at_most": found.windows_at_most,
+    }
+    return {
+        **{name: math.log10(count) if count > 0 else None for name, count in counts.items()},
+        "windows_needed": found.windows_needed,
+        "share": found.share if math.isfinite(found.share) else None,
+        "largest_square": min(found.largest_square, MAX_CELLS),
+        "outlook": found.outlook,
+    }
+
+
 async def _store(made: design.Design, shared: Services) -> PadSummary:
     stored = await run_in_threadpool(shared.store.pads.add, made.content, made.summary)
-    return _summary(stored)
+    return pad_summary(stored)
 
 
-def _summary(stored: Stored) -> PadSummary:
+def pad_summary(stored: Stored) -> PadSummary:
+    """What lists show of a stored pad."""
     return PadSummary(id=stored.id, created_at=stored.created_at, **stored.summary)
 
 

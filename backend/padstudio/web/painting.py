@@ -1,60 +1,90 @@
-"""Paints a pad as a file, in a worker process."""
+"""Paints a pad as a file, and reads a photo of the test strip: in a worker process."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 from padstudio.errors import LimitError
+from padstudio.flights import images
 from padstudio.pad import files as pad_files
-from padstudio.pad.spec import Pad
+from padstudio.pad.spec import Channel, Pad
+from padstudio.render import documents
+from padstudio.render.options import PrintOptions
 
-Kind = Literal["pdf", "svg", "png"]
-MEDIA_TYPES = {"pdf": "application/pdf", "svg": "image/svg+xml", "png": "image/png"}
-DEFAULT_DPI = 96.0
 _MM_PER_INCH = 25.4
 
 
-def paint(content: str, kind: Kind, dpi: float, max_pixels: int, target: Path) -> None:
-    """Paint a pad file's pad at its true size.
+def paint(
+    content: str,
+    form: documents.Form,
+    options: PrintOptions,
+    channel: Channel | None,
+    max_pixels: int,
+    target: Path,
+) -> str:
+    """Paint a pad file's pad.
 
     Parameters
     ----------
     content : str
         The pad file.
-    kind : {"pdf", "svg", "png"}
-    dpi : float
-        Resolution of a PNG.
+    form : str
+        One of `padstudio.render.documents.FORMS`.
+    options : PrintOptions
+    channel : str or None
+        Of a table.
     max_pixels : int
         Limit on a PNG.
     target : Path
         The file to write.
 
+    Returns
+    -------
+    str
+        The media type.
+
     Raises
     ------
     LimitError
         If the PNG would have more pixels.
+    SpecError
+        As `padstudio.render.documents.make`.
     """
     pad = pad_files.loads(content)
-    if kind == "png":
-        _check_pixels(pad, dpi, max_pixels)
+    if form == "png":
+        _check_pixels(pad, options.dpi, max_pixels)
+    pieces, media_type, _ = documents.make(pad, form, options, channel=channel)
     with target.open("wb") as out:
-        if kind == "pdf":
-            from padstudio.render.pdf import write_pdf
+        out.writelines(pieces)
+    return media_type
 
-            write_pdf(pad, out)
-        elif kind == "svg":
-            from padstudio.render.svg import iter_svg
 
-            out.writelines(part.encode() for part in iter_svg(pad))
-        else:
-            from padstudio.render.raster import write_png
+def read_strip(photo: bytes, max_pixels: int) -> dict[str, Any]:
+    """The mixture of colours from a photo of the test strip, JSON-serialisable.
 
-            write_png(pad, out, dpi=dpi)
+    Raises
+    ------
+    ImageError, LimitError
+        If the photo cannot be read, or the strip is not in it.
+    """
+    from padstudio.vision.crosstalk import estimate_crosstalk
+
+    found = estimate_crosstalk(images.decode(photo, max_pixels))
+    return {
+        "matrix": found.matrix.round(5).tolist(),
+        "offset": found.offset.round(5).tolist(),
+        "residual": round(found.residual, 5),
+        "red_separation": round(found.red_separation, 4),
+        "blue_separation": round(found.blue_separation, 4),
+        "warnings": list(found.warnings),
+    }
 
 
 def _check_pixels(pad: Pad, dpi: float, max_pixels: int) -> None:
-    sides_px = [(side + 2 * pad.quiet_mm) * dpi / _MM_PER_INCH for side in pad.size_mm]
+    sides_px = [
+        (side + 2 * pad.quiet_mm) * dpi / _MM_PER_INCH for side in (pad.width_mm, pad.height_mm)
+    ]
     pixels = sides_px[0] * sides_px[1]
     if pixels > max_pixels:
         most = dpi * (max_pixels / pixels) ** 0.5

@@ -19,7 +19,7 @@ SPEC_EXAMPLE: dict[str, Any] = {
     "cell_mm": 10.0,
     "quiet_mm": 20.0,
     "unique": "rotation",
-    "distance": 1,
+    "distance": 3,
     "method": "auto",
     "seed": 1,
 }
@@ -36,7 +36,8 @@ PAD_EXAMPLE: dict[str, Any] = {
     "seed": 1,
     "method": "auto",
     "unique": "rotation",
-    "distance": 1,
+    "distance": 3,
+    "scale": [1.0, 1.0],
     "created_at": "2026-05-04T09:30:00Z",
 }
 PAD_FILE_EXAMPLE: dict[str, Any] = {
@@ -59,6 +60,7 @@ CAMERA_EXAMPLE: dict[str, Any] = {
     "nominal": True,
     "note": "nominal, calibrate for accuracy",
 }
+_VERIFICATION_EXAMPLE: dict[str, Any] = {"windows": 4, "unique": True, "min_distance": 1}
 _TRACE = "/api/v1/detect/9b1d4c2a7e60f835"
 DETECTION_EXAMPLE: dict[str, Any] = {
     "result": {
@@ -145,7 +147,7 @@ class PadSpec(BaseModel):
     quiet_mm: float = Field(0.0, ge=0, le=10_000, description="White margin.")
     unique: Literal["rotation", "plain"] = "rotation"
     distance: int = Field(
-        1, ge=1, le=MAX_WINDOW**2, description="Least number of cells two windows differ in."
+        3, ge=1, le=MAX_WINDOW**2, description="Least number of cells two windows differ in."
     )
     visible_lines: bool = Field(
         False, description="Each window has a level change across each of its inner lines."
@@ -176,6 +178,9 @@ class PadSummary(BaseModel):
     method: str | None
     unique: Literal["rotation", "plain"] | None
     distance: int | None
+    scale: tuple[float, float] = Field(
+        (1.0, 1.0), description="Measured size of the print over its nominal size, x and y."
+    )
     created_at: datetime
 
 
@@ -200,11 +205,19 @@ class PadPreview(BaseModel):
     model_config = _example(
         {
             "pad": PAD_FILE_EXAMPLE,
-            "verification": {"windows": 4, "unique": True, "min_distance": 1},
+            "verification": _VERIFICATION_EXAMPLE,
         }
     )
 
     pad: dict[str, Any] = Field(description="A pad file's object.")
+    verification: dict[str, Any] = Field(description="What was proved of the finest layer.")
+
+
+class PadVerification(BaseModel):
+    """What holds for a stored pad."""
+
+    model_config = _example({"verification": _VERIFICATION_EXAMPLE})
+
     verification: dict[str, Any] = Field(description="What was proved of the finest layer.")
 
 

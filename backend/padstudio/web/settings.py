@@ -76,6 +76,44 @@ class Settings(BaseSettings):
     detect_seconds: float = Field(60, gt=0, le=3600, description="Time for one image.")
     generate_seconds: float = Field(60, gt=0, le=3600, description="Time to generate one pad.")
     paint_seconds: float = Field(120, gt=0, le=3600, description="Time to paint one file.")
+    simulate_seconds: float = Field(
+        120, gt=0, le=3600, description="Time to simulate one frame, or one map of coverage."
+    )
+
+    max_request_bytes: int = Field(
+        100_000, ge=1000, description="Largest request body that is no file upload."
+    )
+    max_upload_bytes: int = Field(
+        64 * MB, ge=1000, le=2000 * MB, description="Largest upload of an image or a pad file."
+    )
+    max_camera_bytes: int = Field(4 * MB, ge=1000, description="Largest camera file.")
+    # Pillow warns above 89 megapixels by itself, hence the upper end.
+    max_image_pixels: int = Field(
+        50_000_000, ge=10_000, le=80_000_000, description="Most pixels of an uploaded image."
+    )
+    max_paint_pixels: int = Field(
+        400_000_000, ge=10_000, le=1_000_000_000, description="Most pixels of a painted PNG."
+    )
+    max_simulated_pixels: int = Field(
+        25_000_000, ge=10_000, le=50_000_000, description="Most pixels of a simulated frame."
+    )
+    max_simulated_frames: int = Field(
+        100, ge=1, le=20_000, description="Most frames of one map of coverage."
+    )
+    max_window: int = Field(
+        spec.MAX_WINDOW, ge=2, le=spec.MAX_WINDOW, description="Largest window b of a new pad."
+    )
+    max_levels: int = Field(
+        spec.MAX_LEVELS, ge=2, le=spec.MAX_LEVELS, description="Most levels Y of a new pad."
+    )
+    max_cells: int = Field(
+        spec.MAX_CELLS, ge=2, le=spec.MAX_CELLS, description="Most rows or columns of a new pad."
+    )
+    keep_traces: int = Field(200, ge=1, description="Traces kept; the oldest go first.")
+    keep_trace_bytes: int = Field(
+        4_000 * MB, ge=10 * MB, description="Disk that the kept traces may take together."
+    )
+
     max_flight_bytes: int = Field(
         32_000 * MB, ge=1000, description="Largest upload of a video or of a zip of stills."
     )

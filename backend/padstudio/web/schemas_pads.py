@@ -1,0 +1,59 @@
+"""What is told of a pad beforehand, and what goes with an imported table; the OpenAPI's source."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import Form
+from pydantic import BaseModel, ConfigDict, Field
+
+from padstudio.flights.design import TableSizes
+from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
+
+
+class PadBounds(BaseModel):
+    """Counts of windows, before any search."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "windows_needed": 14641,
+                    "log10_possible": 7.53,
+                    "log10_allowed": 6.92,
+                    "log10_at_most": 5.51,
+                    "share": 0.045,
+                    "largest_square": 571,
+                    "outlook": "easy",
+                }
+            ]
+        }
+    )
+
+    windows_needed: int = Field(description="Windows of the red layer.")
+    log10_possible: float | None = Field(description="Windows that exist: Y^(b²).")
+    log10_allowed: float | None = Field(description="Those that the uniqueness leaves.")
+    log10_at_most: float | None = Field(
+        description="How many a field can hold at the distance, at most; null for none."
+    )
+    share: float | None = Field(description="Needed of at most; null where there are none.")
+    largest_square: int = Field(description="Largest side that the count does not rule out.")
+    outlook: Literal["easy", "long", "impossible"] = Field(
+        description="long: near the bound, the search may not end in its time."
+    )
+
+
+def table_sizes(
+    name: Annotated[
+        str | None, Form(max_length=200, description="Instead of the file's own name.")
+    ] = None,
+    window: Annotated[int, Form(ge=2, le=MAX_WINDOW)] = 5,
+    levels: Annotated[
+        int | None, Form(ge=2, le=MAX_LEVELS, description="As many as occur where none is given.")
+    ] = None,
+    cell_mm: Annotated[float, Form(gt=0, le=10_000)] = 10.0,
+    ratio: Annotated[int, Form(ge=1, le=MAX_CELLS, description="Above 1 adds a blue layer.")] = 1,
+    quiet_mm: Annotated[float, Form(ge=0, le=10_000)] = 0.0,
+) -> TableSizes:
+    """What a table does not say of its pad, from the fields of a form."""
+    return TableSizes(name or "", window, levels, cell_mm, ratio, quiet_mm)
