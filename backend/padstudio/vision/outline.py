@@ -24,7 +24,7 @@ from padstudio.vision.corner_pose import (
     corner_sigma_px,
     polish,
 )
-from padstudio.vision.evidence import Evidence, judge
+from padstudio.vision.evidence import judge
 from padstudio.vision.measure import LayerRead
 from padstudio.vision.outline_sides import Side, fit_side
 from padstudio.vision.planar import planar_pose
@@ -169,7 +169,7 @@ def outline_pose(
         pose = polish(planar.pose, points_mm, outline.corners_rays)
         for layer in pad.layers:
             read = _read(pyramid, camera, pad, layer, pose)
-            if read is not None and (best is None or _better(read.evidence, best[0].evidence)):
+            if read is not None and (best is None or _rank(read) < _rank(best[0])):
                 best = (read, pose, points_mm)
     if best is None:
         return _failure("no pose has four such corners")
@@ -254,5 +254,7 @@ def _read(pyramid: Pyramid, camera: Camera, pad: Pad, layer: Layer, pose: Pose) 
     return LayerRead(layer, cells, expected, evidence, area_mm2)
 
 
-def _better(a: Evidence, b: Evidence) -> bool:
-    return a.log10_false_alarm < b.log10_false_alarm
+def _rank(read: LayerRead) -> tuple[bool, float]:
+    """The less the better: cells too fine to be read still agree a little, and are many."""
+    evidence = read.evidence
+    return not evidence.suffices(0.0), evidence.log10_false_alarm

@@ -22,7 +22,9 @@ _LEAST_POINTS = 8
 # The inside and the outside must differ by this many of their own scatter.
 _LEAST_CONTRAST = 1.5
 # Added to the sum of channels, so that noise in the dark does not look like colour.
-_DARK = 12.0
+_DARK = 2.0
+# Of the tone curve of most cameras, IEC 61966-2-1, as near as needed.
+_GAMMA = 2.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,24 +82,32 @@ def fit_side(
     Side or None
         None where no clear step is found.
     """
-    along = end - start
-    length = float(np.linalg.norm(along))
+    length = float(np.linalg.norm(end - start))
     if length < 4.0:
         return None
-    # To the left of the way, hence out of the pad.
-    outward = np.array([along[1], -along[0]]) / length
     reach_px = min(reach_px, 0.35 * length)
     count = int(np.clip(length / (1 << level), _LEAST_POINTS, _MOST_PROFILES))
-    feet = start + np.linspace(_TRIM, 1 - _TRIM, count)[:, None] * along
-    at = feet[:, None] + (reach_px * _STEPS)[None, :, None] * outward
+    feet, outward = _feet(camera, start, end, count)
+    at = feet[:, None] + (reach_px * _STEPS)[None, :, None] * outward[:, None]
     values = _clearest(_sample(pyramid, level, at), _unused(pad))
     if values is None:
         return None
     shift, good = _half_way(values)
     if good.sum() < _LEAST_POINTS:
         return None
-    points = feet[good] + (shift[good] * reach_px)[:, None] * outward
-    return _robust_line(points, camera, outward)
+    points = feet[good] + (shift[good] * reach_px)[:, None] * outward[good]
+    return _robust_line(points, camera, outward[good].mean(axis=0))
+
+
+def _feet(camera: Camera, start: Array, end: Array, count: int) -> tuple[Array, Array]:
+    """Points (count, 2) on the side, which the lens may bend, and unit vectors out of the pad."""
+    ends = camera.normalize(np.stack([start, end]))
+    share = np.linspace(_TRIM, 1 - _TRIM, count)[:, None]
+    feet = camera.denormalize(ends[0] + share * (ends[1] - ends[0]))
+    along = np.gradient(feet, axis=0)
+    # To the left of the way, hence out of the pad.
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    return feet, outward / np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
 
 
 def _unused(pad: Pad) -> list[int]:
@@ -106,13 +116,14 @@ def _unused(pad: Pad) -> list[int]:
 
 
 def _sample(pyramid: Pyramid, level: int, at: Array) -> Array:
-    """Colours (N, S, 3) at frame pixels (N, S, 2)."""
+    """Light (N, S, 3), 0 … 255, at frame pixels (N, S, 2)."""
     local = ((at + 0.5) / float(1 << level) - 0.5).astype(np.float32)
     image = pyramid.level(level)
     colors = cv2.remap(
         image, local[..., 0], local[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
-    return np.asarray(colors, float)
+    # A pixel half on white and half on ink has half the light, but more than half the grey value.
+    return np.asarray((colors / 255.0) ** _GAMMA * 255.0, float)
 
 
 def _clearest(colors: Array, unused: list[int]) -> Array | None:
@@ -138,12 +149,13 @@ def _half_way(values: Array) -> tuple[Array, NDArray[np.bool_]]:
     sample, and noise averages out.
     """
     quarter = len(_STEPS) // 4
-    low = np.median(values[:, :quarter], axis=1, keepdims=True)
-    high = np.median(values[:, -quarter:], axis=1, keepdims=True)
+    low = values[:, :quarter].mean(axis=1, keepdims=True)
+    high = values[:, -quarter:].mean(axis=1, keepdims=True)
     rise = high - low
     typical = float(np.median(rise))
     good = (rise[:, 0] > 0.4 * typical) & (rise[:, 0] < 2.5 * typical)
-    part = np.clip((values - low) / np.where(rise > 0, rise, 1.0), 0.0, 1.0)
+    # Clipping at 0 and 1 would count noise on one side only, and shift the step by it.
+    part = np.clip((values - low) / np.where(rise > 0, rise, 1.0), -1.0, 2.0)
     step = _STEPS[1] - _STEPS[0]
     filled = (part[:, 1:] + part[:, :-1]).sum(axis=1) * step / 2
     return 1.0 - filled, good & (typical > 0)
