@@ -21,9 +21,14 @@ from padstudio.vision.pipeline import Detector
 from padstudio.vision.types import Detection, Image, Method, StageRecord, Trace
 
 METHODS: tuple[Method, ...] = get_args(Method)
-RESULT_PICTURE = "result.png"
+RESULT = "result"
+RESULT_PICTURE = f"{RESULT}.png"
 THUMBNAIL_PREFIX = "small-"
 THUMBNAIL_WIDTH_PX = 480
+_ENCODING = {
+    ".png": [cv2.IMWRITE_PNG_COMPRESSION, 1],
+    ".webp": [cv2.IMWRITE_WEBP_QUALITY, 85],
+}
 
 
 @dataclass(frozen=True)
@@ -78,7 +83,7 @@ def analyze(job: Job) -> dict[str, Any]:
     detection = detector.detect(image, trace=job.pictures is not None)
     stages = None
     if job.pictures is not None and detection.trace is not None:
-        stages = _paint(detection.trace, detection, job.pictures)
+        stages = paint(detection.trace, detection, job.pictures)
     return {
         "result": detection.to_record(job.source),
         "image": {"width": width, "height": height},
@@ -93,12 +98,30 @@ def _detector(pad: str, camera: str, method: Method) -> Detector:
     return Detector(pad_files.loads(pad), camera_files.loads(camera), method=method)
 
 
-def _paint(trace: Trace, detection: Detection, folder: Path) -> list[dict[str, Any]]:
+def paint(
+    trace: Trace, detection: Detection, folder: Path, suffix: str = ".png"
+) -> list[dict[str, Any]]:
+    """Paint the result and every stage, each with a thumbnail.
+
+    Parameters
+    ----------
+    trace : Trace
+    detection : Detection
+        The trace's.
+    folder : Path
+        Empty.
+    suffix : {".png", ".webp"}
+
+    Returns
+    -------
+    list of dict
+        As ``stages`` of `analyze`.
+    """
     records = list(_last_runs(trace.records).values())
     # OpenCV lets go of the interpreter while it encodes.
     with ThreadPoolExecutor(2) as threads:
-        result = threads.submit(_save, folder, RESULT_PICTURE, trace, detection)
-        painted = threads.map(lambda record: _save_stage(folder, trace, record), records)
+        result = threads.submit(_save, folder, RESULT + suffix, trace, detection)
+        painted = threads.map(lambda record: _save_stage(folder, trace, record, suffix), records)
         stages = [
             {
                 "name": record.name,
@@ -130,21 +153,22 @@ def _failure(record: StageRecord) -> dict[str, str] | None:
     }
 
 
-def _save_stage(folder: Path, trace: Trace, record: StageRecord) -> str | None:
+def _save_stage(folder: Path, trace: Trace, record: StageRecord, suffix: str) -> str | None:
     picture = overlays.stage_picture(trace, record.name, record.channel)
     if picture is None:
         return None
-    name = f"{record.channel}-{record.name}.png" if record.channel else f"{record.name}.png"
-    _write(folder, name, picture)
+    name = f"{record.channel}-{record.name}" if record.channel else record.name
+    name += suffix
+    save_picture(folder, name, picture)
     return name
 
 
 def _save(folder: Path, name: str, trace: Trace, detection: Detection) -> None:
-    _write(folder, name, overlays.result_picture(trace, detection))
+    save_picture(folder, name, overlays.result_picture(trace, detection))
 
 
-def _write(folder: Path, name: str, picture: Image) -> None:
-    """Write a picture and its thumbnail as PNG."""
+def save_picture(folder: Path, name: str, picture: Image) -> None:
+    """Write a picture and its thumbnail, in the form that its name ends in."""
     if picture.ndim == 3 and not np.ptp(picture[::7, ::7].astype(np.int16), axis=2).any():
         # Most stages are grey in three channels; one is a third of the work.
         grey = picture[:, :, 0]
@@ -159,7 +183,7 @@ def _write(folder: Path, name: str, picture: Image) -> None:
 
 
 def _encode(path: Path, picture: Image) -> None:
-    done, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    done, data = cv2.imencode(path.suffix, picture, _ENCODING[path.suffix])
     if not done:
-        raise ImageError("a stage's picture could not be encoded as PNG")
+        raise ImageError(f"a stage's picture could not be encoded as {path.suffix}")
     path.write_bytes(data.tobytes())

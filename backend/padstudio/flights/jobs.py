@@ -141,11 +141,11 @@ class Flights:
             raise NotFoundError("there is no flight of that id; the list of flights has them all")
         return found
 
-    def uploads(self, flight: FlightRow) -> list[str]:
+    def uploads(self, flight: FlightRow) -> tuple[str, ...]:
         """Ids of the uploads that a flight reads, in order."""
         places = select(FlightUploadRow.upload).where(FlightUploadRow.flight == flight.key)
         with self._session() as session:
-            return list(session.scalars(places.order_by(FlightUploadRow.place)))
+            return tuple(session.scalars(places.order_by(FlightUploadRow.place)))
 
     def cancel(self, flight_id: str) -> FlightRow:
         """Stop a flight; what is finished stays. Nothing happens where it is over already."""

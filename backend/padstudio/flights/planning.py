@@ -15,6 +15,10 @@ from padstudio.flights.video_index import VideoIndex, read_index
 from padstudio.flights.zip_source import list_members
 from padstudio.geometry import camera_files
 
+# A chunk's first frame is looked for in the whole picture, which costs as much as several others.
+_LEAST_FRAMES = 30
+_SHORT_FLIGHT_CHUNKS = 8
+
 
 @dataclass(frozen=True)
 class SourceFile:
@@ -142,6 +146,8 @@ class PlanTask:
     def _chunks(
         self, sources: list[dict[str, Any]], indices: Mapping[int, VideoIndex], total: int
     ) -> Iterator[ChunkPlan]:
+        # Short flights are parted too, so that all workers have something to do.
+        size = min(self.chunk_frames, max(_LEAST_FRAMES, total // _SHORT_FLIGHT_CHUNKS))
         end = total if self.end_frame is None else min(self.end_frame, total)
         wanted = np.arange(self.first_frame, max(end, self.first_frame), self.stride)
         stills: list[int] = []
@@ -151,11 +157,11 @@ class PlanTask:
             if place not in indices:
                 stills += mine.tolist()
                 continue
-            for numbers in _by_keyframe(mine - first, indices[place].keyframes, self.chunk_frames):
+            for numbers in _by_keyframe(mine - first, indices[place].keyframes, size):
                 pts = indices[place].pts[numbers].astype("<i8").tobytes()
                 yield ChunkPlan(place, int(numbers[0]) + first, len(numbers), pts)
         # Stills take longer than frames of a video, which are tracked.
-        size = max(1, self.chunk_frames // 4)
+        size = max(1, size // 4)
         for at in range(0, len(stills), size):
             yield ChunkPlan(0, stills[at], len(stills[at : at + size]))
 

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import FastAPI
+from fastapi.concurrency import run_in_threadpool
 from fastapi.staticfiles import StaticFiles
 from starlette.responses import Response
 from starlette.types import Scope
@@ -23,6 +24,8 @@ from padstudio.web import (
     coverage,
     detect,
     errors,
+    flight_pictures,
+    flights,
     health,
     pads,
     pages,
@@ -31,6 +34,7 @@ from padstudio.web import (
     simulate,
     uploads,
 )
+from padstudio.web.flight_desk import open_desk
 from padstudio.web.security import Guard
 from padstudio.web.services import Analyze, Services
 from padstudio.web.settings import Settings, load_settings
@@ -84,12 +88,15 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
             upload_limits=_upload_limits(settings),
         )
         pool = WorkerPool(settings.workers, settings.worker_memory_bytes, settings.max_waiting)
-        app.state.services = Services(settings, store, pool, analyze)
+        desk = open_desk(settings, store)
+        app.state.services = Services(settings, store, pool, desk, analyze)
+        desk.start()
         expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))
         try:
             yield
         finally:
             expiry.cancel()
+            await run_in_threadpool(desk.close)
             pool.close()
             store.close()
 
@@ -107,6 +114,8 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     errors.install(app)
     app.add_middleware(Guard, settings=settings)
     for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage, simulate):
+        app.include_router(resource.router, prefix=API)
+    for resource in (flights, flight_pictures):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

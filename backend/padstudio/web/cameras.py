@@ -118,6 +118,14 @@ def camera_text(store: Store, camera_id: str) -> str:
     return store.cameras.get(camera_id).content or ""
 
 
+def camera_name(store: Store, camera_id: str) -> str:
+    """The name of a stored or preset camera; raises as `camera_text`."""
+    preset = presets.PRESETS.get(camera_id)
+    if preset is not None:
+        return preset.camera.name
+    return str(store.cameras.get(camera_id).summary.get("name", ""))
+
+
 def file_name(file: UploadFile, default: str) -> str:
     """An upload's name for messages and records: no folders, nothing unprintable."""
     name = (file.filename or "").replace("\\", "/").rsplit("/", 1)[-1]

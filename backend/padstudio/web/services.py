@@ -12,6 +12,7 @@ from fastapi import Depends, Path, Request
 
 from padstudio.errors import LimitError
 from padstudio.flights import analysis, design
+from padstudio.flights.desk import FlightDesk
 from padstudio.flights.store import Store
 from padstudio.flights.workers import WorkerPool
 from padstudio.web.schemas import ErrorBody
@@ -33,17 +34,22 @@ class Services:
     settings : Settings
     store : Store
     pool : WorkerPool
+    flights : FlightDesk
     analyze : callable
         `padstudio.flights.analysis.analyze`, or what stands in for it.
     turns : Turns
         At uploads.
+    painting : dict
+        Pictures of frames that are being made, by name.
     """
 
     settings: Settings
     store: Store
     pool: WorkerPool
+    flights: FlightDesk
     analyze: Analyze
     turns: Turns = field(default_factory=Turns)
+    painting: dict[str, asyncio.Future[list[dict[str, Any]]]] = field(default_factory=dict)
 
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
         """Call a function in a worker process; raises as `WorkerPool.submit` and its future."""

@@ -133,6 +133,35 @@ class Settings(BaseSettings):
         200, ge=1, description="Most that a zip, or a file in it, may grow by when unpacked."
     )
 
+    scheduler: str | None = Field(
+        None,
+        pattern=r"^tls://",
+        description="Dask scheduler of a cluster, tls://host:port, instead of processes here.",
+    )
+    scheduler_ca: str | None = Field(
+        None, description="PEM file of the authority that the cluster's certificates are of."
+    )
+    scheduler_cert: str | None = Field(None, description="PEM file of this server's certificate.")
+    scheduler_key: str | None = Field(None, description="PEM file of its key.")
+    storage: str | None = Field(
+        None,
+        description="Folder or fsspec URL (s3://bucket/prefix) through which workers on other "
+        "machines read uploads.",
+    )
+    chunk_frames: int = Field(
+        120, ge=1, le=100_000, description="Frames of a video that one task reads, or a few more."
+    )
+    chunk_attempts: int = Field(
+        3, ge=1, le=20, description="Worker processes that a task may cost before it fails."
+    )
+    max_flights: int = Field(
+        1000, ge=1, description="Flights that may be queued or running at a time."
+    )
+    max_frames: int = Field(2_000_000, ge=1, description="Most frames of one video.")
+    keep_picture_bytes: int = Field(
+        4_000 * MB, ge=10 * MB, description="Disk that the kept pictures of frames may take."
+    )
+
     @field_validator("data")
     @classmethod
     def _absolute(cls, value: Path) -> Path:

@@ -1,0 +1,190 @@
+"""All there is to do with flights: the one object that the server holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from sqlalchemy.orm import Session, sessionmaker
+
+from padstudio.errors import NotFoundError, SpecError
+from padstudio.flights import work
+from padstudio.flights.chunks import Chunks
+from padstudio.flights.detectors import params_from
+from padstudio.flights.engine import Engine, EngineOptions, Task
+from padstudio.flights.flight_tables import ChunkRow, FlightRow
+from padstudio.flights.jobs import FlightOrder, Flights
+from padstudio.flights.pictures import Kind, PictureCache, PictureJob, picture_job
+from padstudio.flights.results import Results
+from padstudio.flights.runner import Runner
+from padstudio.flights.storage import Storage
+from padstudio.flights.upload_rows import Upload
+from padstudio.flights.uploads import Uploads
+from padstudio.flights.work import WorkLimits
+
+
+class FlightDesk:
+    """Takes orders, has them worked on, and shows what came out.
+
+    Parameters
+    ----------
+    session : sessionmaker
+    uploads : Uploads
+    engine : EngineOptions
+    limits : WorkLimits
+    storage : Storage
+    pictures : Path
+        Folder for kept pictures; emptied.
+    keep_picture_bytes : int
+        What they may take.
+    max_open : int
+        Flights that may be queued or running at a time.
+    attempts : int
+        Dead or hanging workers that one chunk may cost.
+
+    Attributes
+    ----------
+    flights : Flights
+    results : Results
+    pictures : PictureCache
+    """
+
+    def __init__(
+        self,
+        session: sessionmaker[Session],
+        uploads: Uploads,
+        engine: EngineOptions,
+        limits: WorkLimits,
+        storage: Storage,
+        *,
+        pictures: Path,
+        keep_picture_bytes: int = 4_000_000_000,
+        max_open: int = 1000,
+        attempts: int = 3,
+    ) -> None:
+        self.flights = Flights(session, max_open)
+        self.results = Results(session)
+        self.limits = limits
+        self._uploads, self._storage = uploads, storage
+        self._engine = Engine(engine)
+        chunks = Chunks(session, attempts=attempts)
+        self._runner = Runner(self.flights, chunks, self._engine, self._task_of)
+        self.pictures = PictureCache(pictures, keep_picture_bytes)
+
+    def start(self) -> None:
+        """Go on with what an earlier server left unfinished, and take new work."""
+        self._runner.start()
+
+    def close(self) -> None:
+        """Stop; unfinished work goes on at the next start."""
+        self._runner.close()
+
+    def order(self, order: FlightOrder) -> FlightRow:
+        """Check and queue a flight.
+
+        Raises
+        ------
+        NotFoundError, ConflictError
+            If an upload is missing or not complete.
+        SpecError
+            If the uploads do not go together, or a parameter is wrong.
+        LimitError
+            If too many flights are queued.
+        """
+        params_from(order.request["params"])
+        check_uploads([self._complete(upload) for upload in order.uploads])
+        flight = self.flights.create(order)
+        self._runner.wake()
+        return flight
+
+    def rerun(self, flight_id: str, change: Callable[[FlightOrder], FlightOrder]) -> FlightRow:
+        """Queue a flight of the same uploads beside another one; raises as `order`.
+
+        Parameters
+        ----------
+        flight_id : str
+        change : callable
+            Gives the new order for the first one's.
+        """
+        first = self.flights.get(flight_id, texts=True)
+        order = FlightOrder(
+            first.name,
+            self.flights.uploads(first),
+            first.pad,
+            first.camera,
+            first.request,
+            rerun_of=first.id,
+        )
+        return self.order(replace(change(order), rerun_of=first.id))
+
+    def cancel(self, flight_id: str) -> FlightRow:
+        """As `Flights.cancel`."""
+        flight = self.flights.cancel(flight_id)
+        self._runner.wake()
+        return flight
+
+    def retry(self, flight_id: str) -> FlightRow:
+        """As `Flights.retry`."""
+        flight = self.flights.retry(flight_id)
+        self._runner.wake()
+        return flight
+
+    def delete(self, flight_id: str) -> None:
+        """As `Flights.delete`."""
+        self.flights.delete(flight_id)
+        self._runner.wake()
+
+    def picture_job(self, flight_id: str, number: int, kind: Kind, folder: Path) -> PictureJob:
+        """The job that paints a frame into a folder.
+
+        Raises
+        ------
+        NotFoundError
+            If there is no such flight, or it does not read that frame.
+        """
+        flight = self.flights.get(flight_id, texts=True)
+        chunk = self.results.chunk_of(flight, number)
+        return picture_job(flight, chunk, number, kind, folder, self.limits.max_pixels)
+
+    def _task_of(self, flight: FlightRow, chunk: ChunkRow) -> Task:
+        if chunk.number:
+            return work.frames_task(flight, chunk, self.limits)
+        uploads = [self._complete(upload) for upload in self.flights.uploads(flight)]
+        files = [(u.id, u.kind or "", u.name, self._uploads.path(u.id)) for u in uploads]
+        return work.plan_task(flight, files, self._storage.place, self.limits)
+
+    def _complete(self, upload_id: str) -> Upload:
+        self._uploads.path(upload_id)
+        return self._uploads.get(upload_id)
+
+
+def check_uploads(uploads: Sequence[Upload]) -> None:
+    """Refuse uploads that do not make one flight.
+
+    Raises
+    ------
+    SpecError
+        If there are none to read frames from, videos among stills, or telemetry without a video.
+    """
+    kinds = [upload.kind for upload in uploads]
+    videos = kinds.count("video")
+    stills = kinds.count("still") + kinds.count("stills")
+    if not videos and not stills:
+        raise SpecError(
+            "a flight is made of at least one video, still or zip of stills; telemetry alone has "
+            "no frames",
+            code="mixed_uploads",
+        )
+    if videos and stills:
+        raise SpecError(
+            "videos and stills do not go into one flight; make a flight of each",
+            code="mixed_uploads",
+        )
+    if kinds.count("telemetry") > min(1, videos):
+        raise SpecError(
+            "a flight takes one telemetry file, beside a video; leave the others out",
+            code="mixed_uploads",
+        )
+    if len({upload.id for upload in uploads}) < len(uploads):
+        raise NotFoundError("an upload is named twice; name each once", code="mixed_uploads")
