@@ -1,5 +1,7 @@
 """Geometry, photometry and refusals of the simulated camera."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from edge_corners import measured_corner
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
+from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.camera import render
 from padstudio.simulate.imaging import Imaging
@@ -228,3 +231,19 @@ def test_a_fisheye_lens_is_true_too():
     errors = corner_errors(frame)
     assert len(errors) > 12
     assert np.linalg.norm(errors, axis=1).max() < 0.005
+
+
+def test_a_sheet_is_painted_as_the_pad_of_its_layout():
+    pad = replace(random_pad(), quiet_mm=12.0)
+    pose = look_at_pad(500.0, tilt_deg=20.0, heading_deg=35.0)
+    images = [
+        render(scene, camera(), pose, seed=3).image
+        for scene in (Scene(pad=pad), Scene(pad=None, sheet=layout(pad)))
+    ]
+    assert np.array_equal(*images)
+
+
+def test_a_pad_and_another_sheet_cannot_lie_in_one_place():
+    pad = random_pad()
+    with pytest.raises(SpecError, match="not both"):
+        Scene(pad=pad, sheet=layout(pad))

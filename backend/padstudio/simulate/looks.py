@@ -81,10 +81,10 @@ def dress(scene: Scene, look: str, *, seed: int = 0) -> tuple[Scene, Imaging]:
 
 
 def _leaves(scene: Scene, count: int, seed: int) -> tuple[Occluder, ...]:
-    if scene.pad is None or not count:
+    if scene.size_mm is None or not count:
         return ()
     rng = np.random.default_rng([seed, 0x1EAF])
-    width, height = scene.pad.size_mm
+    width, height = scene.size_mm
     leaves = []
     for x, y, size, *color in rng.random((count, 6)):
         red, green, blue = (70.0 + 120.0 * float(value) for value in color)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from padstudio.errors import SpecError
+from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
 from padstudio.simulate.inks import Inks, Rgb
 
@@ -103,6 +104,9 @@ class Scene:
     ----------
     pad : Pad or None
         None leaves the ground bare: what a detector must stay silent on.
+    sheet : Layout or None
+        Another print that lies there instead of a pad, in the same inks: a foreign marker, say.
+        Its page's middle is the origin; its margins are even.
     inks : Inks
     quiet_mm : float or None
         White margin round the pad; None takes the pad's own.
@@ -114,6 +118,7 @@ class Scene:
     """
 
     pad: Pad | None
+    sheet: Layout | None = None
     inks: Inks = field(default_factory=Inks)
     quiet_mm: float | None = None
     ground: GroundKind = "grass"
@@ -124,5 +129,14 @@ class Scene:
     def __post_init__(self) -> None:
         if self.ground not in GROUND_KINDS:
             raise SpecError(f"no ground {self.ground!r}; choose one of {', '.join(GROUND_KINDS)}")
+        if self.pad is not None and self.sheet is not None:
+            raise SpecError("a scene has a pad or another sheet, not both")
         if self.quiet_mm is not None and not 0 <= self.quiet_mm <= 10_000:
             raise SpecError(f"quiet_mm is {self.quiet_mm}; it must be 0 … 10000")
+
+    @property
+    def size_mm(self) -> tuple[float, float] | None:
+        """Width and height of what is printed; None where the ground is bare."""
+        if self.sheet is not None:
+            return self.sheet.page_width_mm, self.sheet.page_height_mm
+        return None if self.pad is None else self.pad.size_mm

@@ -88,13 +88,14 @@ def surface_of(scene: Scene) -> Surface:
 def _sheet(scene: Scene) -> tuple[Array, Array, NDArray[np.float32], Array]:
     """Edges and colours of the sheet with its margin, and the way to it from the pad frame."""
     pad = scene.pad
-    if pad is None:
+    plan = scene.sheet if pad is None else layout(pad)
+    if plan is None:
         # A sheet of no breadth far away: the ground is bare.
         edges = np.array([0.0, 1e-3])
         return edges, edges, np.zeros((1, 1, 3), np.float32), np.array([1.0, 1e9, -1.0, 1e9])
-    plan = layout(pad)
-    quiet = pad.quiet_mm if scene.quiet_mm is None else scene.quiet_mm
-    x, y = plan.x_mm - pad.quiet_mm + quiet, plan.y_mm - pad.quiet_mm + quiet
+    own = float(plan.x_mm[0])
+    quiet = own if scene.quiet_mm is None else scene.quiet_mm
+    x, y = plan.x_mm - own + quiet, plan.y_mm - own + quiet
     colors = scene.inks.reflectance(plan.colors)
     if quiet > 0:
         white = scene.inks.reflectance(np.full(3, 255, np.uint8))
@@ -104,8 +105,8 @@ def _sheet(scene: Scene) -> tuple[Array, Array, NDArray[np.float32], Array]:
         colors = framed
         x = np.concatenate([[0.0], x, [x[-1] + quiet]])
         y = np.concatenate([[0.0], y, [y[-1] + quiet]])
-    sx, sy = pad.scale
-    to_page = np.array([1 / sx, pad.width_mm / 2 + quiet, -1 / sy, pad.height_mm / 2 + quiet])
+    sx, sy = (1.0, 1.0) if pad is None else pad.scale
+    to_page = np.array([1 / sx, x[-1] / 2, -1 / sy, y[-1] / 2])
     return np.ascontiguousarray(x), np.ascontiguousarray(y), colors, to_page
 
 
