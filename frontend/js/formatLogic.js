@@ -63,6 +63,49 @@ export function duration(ms) {
 }
 
 /**
+ * A file's size.
+ * @param {number} count
+ * @returns {string}
+ */
+export function bytes(count) {
+  const units = ["B", "kB", "MB", "GB"];
+  const power = Math.min(Math.floor(Math.log10(Math.max(count, 1)) / 3), units.length - 1);
+  const value = count / 1000 ** power;
+  return `${number(value, power && value < 100 ? 1 : 0)} ${units[power]}`;
+}
+
+/**
+ * A share in percent; never 100 % or 0 % where a part is missing or there.
+ * @param {number} part
+ * @param {number} whole
+ * @returns {string}
+ */
+export function percent(part, whole) {
+  if (!whole) return "–";
+  const value = (100 * part) / whole;
+  if (value > 0 && value < 0.1) return "< 0.1 %";
+  if (value > 99.9 && value < 100) return "> 99.9 %";
+  return `${compact(value, value > 99 || value < 1 ? 1 : 0)} %`;
+}
+
+/**
+ * A time within a flight, such as 0:04.33 or 1:02:07.10.
+ * @param {number} seconds
+ * @param {number} [decimals]
+ * @returns {string}
+ */
+export function clock(seconds, decimals = 2) {
+  const unit = 10 ** decimals;
+  const ticks = Math.round(Math.max(seconds, 0) * unit);
+  const whole = Math.floor(ticks / unit);
+  const pad = (/** @type {number} */ value) => String(value).padStart(2, "0");
+  const fraction = decimals ? `.${String(ticks % unit).padStart(decimals, "0")}` : "";
+  const minutes = Math.floor(whole / 60) % 60;
+  const hours = Math.floor(whole / 3600);
+  return `${hours ? `${hours}:${pad(minutes)}` : minutes}:${pad(whole % 60)}${fraction}`;
+}
+
+/**
  * Ten to a power that no float holds, for example 10⁻³⁰⁰.
  * @param {number} exponent
  * @returns {string}

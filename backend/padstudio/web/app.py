@@ -24,6 +24,7 @@ from padstudio.web import (
     coverage,
     detect,
     errors,
+    flight_figures,
     flight_pictures,
     flights,
     health,
@@ -115,7 +116,7 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.add_middleware(Guard, settings=settings)
     for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage, simulate):
         app.include_router(resource.router, prefix=API)
-    for resource in (flights, flight_pictures):
+    for resource in (flights, flight_figures, flight_pictures):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

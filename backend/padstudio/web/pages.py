@@ -9,9 +9,12 @@ from fastapi.templating import Jinja2Templates
 from starlette.responses import RedirectResponse, Response
 
 from padstudio import __version__, resources
+from padstudio.web import charts
+from padstudio.web.services import ItemId
 from padstudio.web.settings import Settings
 
 router = APIRouter(include_in_schema=False)
+router.include_router(charts.router)
 templates = Jinja2Templates(directory=resources.web_folder("templates"))
 
 # A page changes with the program alone; the browser asks each time whether it has.
@@ -25,7 +28,7 @@ class Page:
     Attributes
     ----------
     name : str
-        ``design`` or ``diagnose``; also the template's name.
+        ``design``, ``diagnose`` or ``flights``; also the template's name.
     version : str
     max_upload_bytes, max_image_pixels : int
         Limits to check before a picture is sent.
@@ -39,6 +42,21 @@ class Page:
     max_window: int
     max_levels: int
     max_cells: int
+    version: str = __version__
+
+
+@dataclass(frozen=True)
+class FlightPage:
+    """Context of the page of one flight.
+
+    Attributes
+    ----------
+    plotly : str
+        Address of the script that draws the figures.
+    """
+
+    plotly: str = charts.SCRIPT_URL
+    name: str = "flight"
     version: str = __version__
 
 
@@ -66,6 +84,19 @@ def design(request: Request) -> Response:
 @router.get("/diagnose")
 def diagnose(request: Request) -> Response:
     return _page(request, "diagnose")
+
+
+@router.get("/flights")
+def flights(request: Request) -> Response:
+    return _page(request, "flights")
+
+
+@router.get("/flights/{flight_id}")
+def flight(request: Request, flight_id: ItemId) -> Response:
+    headers = _HEADERS | {"Content-Security-Policy": charts.CHARTS_POLICY}
+    return templates.TemplateResponse(
+        request, "flight.html", {"page": FlightPage()}, headers=headers
+    )
 
 
 def error_page(request: Request, status: int, title: str, message: str) -> Response:

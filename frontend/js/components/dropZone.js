@@ -1,16 +1,19 @@
-/** Takes files that are dropped anywhere on the page, chosen with the button, or pasted. */
+/** Takes files that are dropped anywhere on the page, chosen with a button, or pasted. */
+
+import { chosenFrom, filesOf } from "../droppedFiles.js";
 
 /**
- * @param {HTMLElement} zone  lights up while files hover over the page; holds a file input
- * @param {{onFiles: (files: File[]) => void}} events
+ * @param {HTMLElement} zone  lights up while files hover over the page; holds file inputs
+ * @param {{onFiles: (files: File[], chosen: import("../droppedFiles.js").Chosen[]) => void}} events
+ *   the files, and the same with the folders in which they lay
  */
 export function mountDropZone(zone, { onFiles }) {
-  const input = /** @type {HTMLInputElement} */ (zone.querySelector("input[type=file]"));
-  const take = (/** @type {FileList | null | undefined} */ list) => {
-    if (list?.length) onFiles([...list]);
+  const take = (/** @type {import("../droppedFiles.js").Chosen[]} */ chosen) => {
+    if (chosen.length) onFiles(chosen.map(({ file }) => file), chosen);
   };
-  input.addEventListener("change", () => {
-    take(input.files);
+  zone.addEventListener("change", (event) => {
+    const input = /** @type {HTMLInputElement} */ (event.target);
+    take(chosenFrom(input.files ?? []));
     input.value = "";
   });
   const holdsFiles = (/** @type {DragEvent} */ event) =>
@@ -27,7 +30,7 @@ export function mountDropZone(zone, { onFiles }) {
     if (!holdsFiles(event)) return;
     event.preventDefault();
     delete zone.dataset.over;
-    take(event.dataTransfer?.files);
+    if (event.dataTransfer) void filesOf(event.dataTransfer).then(take);
   });
-  document.addEventListener("paste", (event) => take(event.clipboardData?.files));
+  document.addEventListener("paste", (event) => take(chosenFrom(event.clipboardData?.files ?? [])));
 }

@@ -1,0 +1,80 @@
+/**
+ * The form of a new flight, or of another run of one.
+ *
+ * @typedef {object} Range  what the fields hold
+ * @property {string} first
+ * @property {string} last
+ * @property {string} stride
+ */
+
+/** @param {string} text @param {number} empty @returns {number} NaN where it is no whole number */
+function whole(text, empty) {
+  const trimmed = text.trim();
+  if (!trimmed) return empty;
+  return /^\d+$/.test(trimmed) ? Number(trimmed) : Number.NaN;
+}
+
+/**
+ * The range as the server takes it.
+ * @param {Range} range
+ * @returns {{first_frame: number, end_frame: number | null, stride: number}}
+ */
+export function rangeValues({ first, last, stride }) {
+  const end = last.trim() ? whole(last, 0) + 1 : null;
+  return { first_frame: whole(first, 0), end_frame: end, stride: whole(stride, 1) };
+}
+
+/**
+ * What is wrong with a range; empty where nothing is.
+ * @param {Range} range
+ * @returns {string}
+ */
+export function rangeFault(range) {
+  const { first_frame: first, end_frame: end, stride } = rangeValues(range);
+  if (Number.isNaN(first)) return "The first frame must be a whole number from 0.";
+  if (end !== null && Number.isNaN(end)) return "The last frame must be a whole number from 0, or empty.";
+  if (!(stride >= 1)) return "Every n-th frame: n must be a whole number from 1.";
+  if (end !== null && end <= first) return "The last frame must not come before the first.";
+  return "";
+}
+
+/**
+ * What the fields hold for a flight's request.
+ * @param {{first_frame?: number, end_frame?: number | null, stride?: number}} request
+ * @returns {Range}
+ */
+export function rangeOf({ first_frame: first = 0, end_frame: end = null, stride = 1 }) {
+  return {
+    first: first ? String(first) : "",
+    last: end === null ? "" : String(end - 1),
+    stride: stride === 1 ? "" : String(stride),
+  };
+}
+
+/**
+ * What is still needed; empty where nothing is.
+ * @param {{pad: string, camera: string, files: number}} state
+ * @returns {string}
+ */
+export function missingOrder({ pad, camera, files }) {
+  const needed = [files ? "" : "a video or stills", pad ? "" : "a pad", camera ? "" : "a camera"].filter(Boolean);
+  if (!needed.length) return "";
+  const last = needed.pop();
+  return `Choose ${needed.length ? `${needed.join(", ")} and ${last}` : last}.`;
+}
+
+/**
+ * Detector parameters that were typed as JSON.
+ * @param {string} text
+ * @returns {{params: Record<string, unknown>, fault: string}}
+ */
+export function paramsFrom(text) {
+  if (!text.trim()) return { params: {}, fault: "" };
+  try {
+    const params = JSON.parse(text);
+    if (params && typeof params === "object" && !Array.isArray(params)) return { params, fault: "" };
+  } catch {
+    // Said below.
+  }
+  return { params: {}, fault: 'Parameters are a JSON object, such as {"refine": {"most_borders": 1500}}.' };
+}
