@@ -12,7 +12,8 @@ from padstudio.errors import NotFoundError, SpecError
 from padstudio.flights import work
 from padstudio.flights.chunks import Chunks
 from padstudio.flights.detectors import params_from
-from padstudio.flights.engine import Engine, EngineOptions, Task
+from padstudio.flights.engine import Engine, EngineOptions
+from padstudio.flights.engine_tasks import Task
 from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.jobs import FlightOrder, Flights
 from padstudio.flights.pictures import Kind, PictureCache, PictureJob, picture_job

@@ -7,8 +7,6 @@ The engine may be lost at any time; who uses it asks again.
 
 from __future__ import annotations
 
-import asyncio
-import concurrent.futures
 import contextlib
 import logging
 import os
@@ -16,46 +14,18 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from padstudio.errors import SpecError, StudioError
+from padstudio.errors import SpecError
+from padstudio.flights.engine_tasks import Outcome, Task, configure, outcome_of, perform
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
 logger = logging.getLogger(__name__)
 
-# How often a task asks whether it is to stop; the question goes to the scheduler and back.
-_ASK_EVERY_S = 0.25
 _CONNECT_S = 15
-
-
-class Task(Protocol):
-    """What the engine runs; must be picklable."""
-
-    def run(self, stopped: Callable[[], bool]) -> Any:
-        """Do the work; may end early where `stopped` says so."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """How a task ended.
-
-    Attributes
-    ----------
-    kind : {"value", "refused", "crashed", "lost"}
-        ``refused``: a `StudioError`; ``crashed``: the worker died, or a defect came to light;
-        ``lost``: the engine let go of the task.
-    value : object
-        The task's result.
-    error : dict or None
-        ``code``, ``message``, ``detail``.
-    """
-
-    kind: Literal["value", "refused", "crashed", "lost"]
-    value: Any = None
-    error: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +68,7 @@ class Engine:
         self._lock = threading.Lock()
         self._client: Client | None = None
         self._cluster: Any = None
-        self._futures: dict[str, Future] = {}
+        self._futures: dict[str, Future[Any]] = {}
 
     @property
     def capacity(self) -> int:
@@ -107,7 +77,7 @@ class Engine:
             self._started()
             return self._options.workers
         workers = self._started().scheduler_info(n_workers=-1)["workers"]
-        return max(1, sum(worker["nthreads"] for worker in workers.values()))
+        return max(1, sum(int(worker["nthreads"]) for worker in workers.values()))
 
     def submit(self, key: str, task: Task, ended: Callable[[Outcome], None]) -> None:
         """Run a task.
@@ -127,19 +97,19 @@ class Engine:
         """
         client = self._started()
         # Crashes are counted by who calls, chunk by chunk.
-        future = client.submit(_perform, task, key, key=key, pure=False, retries=0)
+        future = client.submit(perform, task, key, key=key, pure=False, retries=0)
         self._futures[key] = future
         future.add_done_callback(lambda done: self._ended(key, done, ended))
 
     def stop(self, key: str) -> None:
         """Tell a task to stop: at once where it waits, soon where it runs."""
         future = self._futures.get(key)
-        if future is None or self._client is None:
+        if future is None or self._client is None or self._client.status != "running":
             return
         from distributed import Event
 
         with contextlib.suppress(Exception):
-            Event(key, client=self._client).set(timeout=2)
+            Event(key, client=self._client).set()
         with contextlib.suppress(Exception):
             future.cancel()
 
@@ -187,7 +157,7 @@ class Engine:
         from distributed import Client, LocalCluster
         from distributed.security import Security
 
-        _configure()
+        configure()
         options = self._options
         if options.scheduler is not None:
             given = {
@@ -224,8 +194,8 @@ class Engine:
                 with contextlib.suppress(Exception):
                     part.close(timeout=2)
 
-    def _ended(self, key: str, future: Future, ended: Callable[[Outcome], None]) -> None:
-        outcome = _outcome(future)
+    def _ended(self, key: str, future: Future[Any], ended: Callable[[Outcome], None]) -> None:
+        outcome = outcome_of(future)
         self._futures.pop(key, None)
         with contextlib.suppress(Exception):
             future.release()
@@ -246,89 +216,3 @@ def check_scheduler(address: str | None) -> None:
             "with TLS and give tls://host:port (PADSTUDIO_SCHEDULER)",
             code="invalid_setting",
         )
-
-
-def _configure() -> None:
-    import dask
-
-    dask.config.set(
-        {
-            # One task a worker: a dead worker is blamed on the task that it worked on.
-            "distributed.scheduler.worker-saturation": 1.0,
-            "distributed.scheduler.allowed-failures": 0,
-            "distributed.worker.memory.target": False,
-            "distributed.worker.memory.spill": False,
-            "distributed.worker.memory.pause": False,
-            "distributed.admin.large-graph-warning-threshold": "1GB",
-            # Large frames come and go; giving their memory back each time costs a sixth.
-            "distributed.nanny.pre-spawn-environ": {
-                "MALLOC_TRIM_THRESHOLD_": 268435456,
-                "MALLOC_MMAP_THRESHOLD_": 268435456,
-                "OMP_NUM_THREADS": 1,
-                "MKL_NUM_THREADS": 1,
-                "OPENBLAS_NUM_THREADS": 1,
-            },
-        }
-    )
-
-
-def _perform(task: Task, stop: str) -> tuple[str, Any]:
-    """In the worker: errors come back as values, as exceptions of ours lose parts in pickling."""
-    from padstudio.flights.tasks import TaskStoppedError
-
-    try:
-        return "value", task.run(_stop_signal(stop))
-    except TaskStoppedError:
-        return "lost", None
-    except StudioError as error:
-        return "refused", error_dict(error)
-
-
-def _stop_signal(name: str) -> Callable[[], bool]:
-    from distributed import Event
-
-    event = Event(name)
-    asked, answer = time.monotonic(), False
-
-    def stopped() -> bool:
-        nonlocal asked, answer
-        if time.monotonic() - asked >= _ASK_EVERY_S:
-            asked, answer = time.monotonic(), bool(event.is_set())
-        return answer
-
-    return stopped
-
-
-def _outcome(future: Future) -> Outcome:
-    from distributed.scheduler import KilledWorker
-
-    try:
-        kind, value = future.result(timeout=60)
-    except KilledWorker:
-        return Outcome(
-            "crashed",
-            error={
-                "code": "worker_crashed",
-                "message": "the process that worked on it died, most likely for lack of memory or "
-                "of damaged data; repair the file, or give workers more memory",
-                "detail": {},
-            },
-        )
-    except (asyncio.CancelledError, concurrent.futures.CancelledError):
-        return Outcome("lost")
-    except Exception as error:
-        if future.status == "error":
-            logger.exception("a task brought a defect to light")
-            message = f"a defect of the program: {error!r}"
-            return Outcome(
-                "crashed", error={"code": "internal_error", "message": message, "detail": {}}
-            )
-        return Outcome("lost")
-    if kind == "refused":
-        return Outcome("refused", error=value)
-    return Outcome("value" if kind == "value" else "lost", value=value)
-
-
-def error_dict(error: StudioError) -> dict[str, Any]:
-    """An error as it is stored and shown."""
-    return {"code": error.error_code, "message": error.message, "detail": error.detail}

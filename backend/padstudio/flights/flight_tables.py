@@ -50,10 +50,10 @@ class FlightUploadRow(Base):
     __tablename__ = "flight_uploads"
 
     flight: Mapped[int] = mapped_column(
-        ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
+        BigInteger, ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
     )
     place: Mapped[int] = mapped_column(Integer, primary_key=True)
-    upload: Mapped[str] = mapped_column(ForeignKey("uploads.id"), index=True)
+    upload: Mapped[str] = mapped_column(String(32), ForeignKey("uploads.id"), index=True)
 
 
 class ChunkRow(Base):
@@ -66,7 +66,7 @@ class ChunkRow(Base):
     )
 
     id: Mapped[int] = mapped_column(_Key, primary_key=True)
-    flight: Mapped[int] = mapped_column(ForeignKey("flights.key", ondelete="CASCADE"))
+    flight: Mapped[int] = mapped_column(BigInteger, ForeignKey("flights.key", ondelete="CASCADE"))
     number: Mapped[int] = mapped_column(Integer)
     state: Mapped[str] = mapped_column(String(20))
     #: Raised with every claim; only the claimant of the last one may finish the chunk.
@@ -94,7 +94,7 @@ class FrameRow(Base):
     )
 
     flight: Mapped[int] = mapped_column(
-        ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
+        BigInteger, ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
     )
     number: Mapped[int] = mapped_column(Integer, primary_key=True)
     time_s: Mapped[float | None]
@@ -115,7 +115,7 @@ class FrameDetailRow(Base):
     __table_args__ = ({"sqlite_with_rowid": False},)
 
     flight: Mapped[int] = mapped_column(
-        ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
+        BigInteger, ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
     )
     number: Mapped[int] = mapped_column(Integer, primary_key=True)
     chunk: Mapped[int] = mapped_column(Integer)

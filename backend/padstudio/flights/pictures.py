@@ -121,7 +121,8 @@ def _detect(job: PictureJob) -> Detection:
 
 def _with_all_stages(followed: Detection, still: Detection) -> Detection:
     """A followed frame with the stages that following passes over, as they are for a still."""
-    assert followed.trace is not None and still.trace is not None
+    assert followed.trace is not None
+    assert still.trace is not None
     ran = {record.name for record in followed.trace.records}
     others = tuple(record for record in still.trace.records if record.name not in ran)
     records = sorted(

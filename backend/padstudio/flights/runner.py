@@ -14,7 +14,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from padstudio.errors import StudioError
 from padstudio.flights.chunks import Chunks, Claim
-from padstudio.flights.engine import Engine, Outcome, Task, error_dict
+from padstudio.flights.engine import Engine
+from padstudio.flights.engine_tasks import Outcome, Task, error_dict
 from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.jobs import Flights
 

@@ -2,11 +2,12 @@
 
 from alembic import context
 
-from padstudio.flights.store_tables import Base
+from padstudio.flights.flight_tables import FlightRow
 
 context.configure(
     connection=context.config.attributes["connection"],
-    target_metadata=Base.metadata,
+    # That of all tables: this module knows the others.
+    target_metadata=FlightRow.metadata,
     # SQLite cannot alter a column in place.
     render_as_batch=True,
 )
