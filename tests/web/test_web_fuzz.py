@@ -53,9 +53,29 @@ def test_specs(server: httpx.Client, changes: dict[str, Any]) -> None:
 
 
 @quick
-@given(content=st.binary(max_size=200), kind=st.sampled_from(["pads/import", "cameras"]))
-def test_files(server: httpx.Client, content: bytes, kind: str) -> None:
-    _fine(server.post(f"/api/v1/{kind}", files={"file": ("a", content)}))
+@given(
+    path=st.sampled_from(["sheets", "coverage", "simulate", "pads/bounds"]),
+    body=st.dictionaries(
+        st.sampled_from(
+            ["pad", "options", "camera", "tilts_deg", "height_mm", "pose", "target_mm", "window"]
+        ),
+        st.one_of(ODD, st.just(PRESET), st.dictionaries(st.just("layers"), ODD)),
+        max_size=4,
+    ),
+)
+def test_plans(server: httpx.Client, path: str, body: dict[str, Any]) -> None:
+    headers = {"Content-Type": "application/json"}
+    _fine(server.post(f"/api/v1/{path}", content=json.dumps(body), headers=headers))
+
+
+@quick
+@given(
+    content=st.binary(max_size=200),
+    kind=st.sampled_from(["pads/import", "cameras"]),
+    suffix=st.sampled_from(["", ".json", ".csv", ".npy", ".field", ".png"]),
+)
+def test_files(server: httpx.Client, content: bytes, kind: str, suffix: str) -> None:
+    _fine(server.post(f"/api/v1/{kind}", files={"file": (f"a{suffix}", content)}))
 
 
 @quick
