@@ -85,14 +85,14 @@ def _create_frames() -> None:
         "frames",
         _flight(primary_key=True),
         sa.Column("number", sa.Integer, primary_key=True),
-        sa.Column("time_s", sa.Float),
+        sa.Column("time_s", sa.Double),
         sa.Column("status", sa.String(10), nullable=False),
         sa.Column("stage", sa.String(20)),
         sa.Column("reason", sa.String(40)),
         sa.Column("layer", sa.String(10)),
-        sa.Column("x_mm", sa.Float),
-        sa.Column("y_mm", sa.Float),
-        sa.Column("z_mm", sa.Float),
+        sa.Column("x_mm", sa.Double),
+        sa.Column("y_mm", sa.Double),
+        sa.Column("z_mm", sa.Double),
         sqlite_with_rowid=False,
     )
     for column in ("status", "reason"):
