@@ -1,0 +1,98 @@
+"""A COLMAP text model: cameras.txt, images.txt and an empty points3D.txt, as a zip."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterable, Iterator
+from pathlib import PurePosixPath
+
+import numpy as np
+
+from padstudio.flights.exports.byte_stream import ByteStream
+from padstudio.flights.exports.options import ExportOptions, Record, pose_of
+from padstudio.geometry.camera import Camera
+
+_CAMERAS = """\
+# Camera list with one line of data per camera:
+#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
+# pixels as COLMAP counts them: (0.5, 0.5) is the centre of the top-left pixel
+"""
+_IMAGES = """\
+# Image list with two lines of data per image:
+#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
+#   POINTS2D[] as (X, Y, POINT3D_ID)
+# world to camera; the world is the pad frame, metres: X right and Y up the page, Z out of it
+# camera: x right, y down, z forward; frames without a pose are left out
+"""
+_POINTS = "# 3D point list: none\n"
+
+
+def write_colmap(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
+    """A zip with the three files of a sparse model.
+
+    Stills are named as they are; frame 412 of flight.mp4 is ``flight/000412.png``.
+
+    Raises
+    ------
+    SpecError
+        If no camera is given.
+
+    References
+    ----------
+    https://colmap.github.io/format.html
+    """
+    camera = options.need_camera("a COLMAP model")
+    return _write(records, camera)
+
+
+def _write(records: Iterable[Record], camera: Camera) -> Iterator[bytes]:
+    stream = ByteStream()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("cameras.txt", f"{_CAMERAS}1 {_camera_line(camera)}\n")
+        archive.writestr("points3D.txt", _POINTS)
+        with archive.open("images.txt", "w", force_zip64=True) as images:
+            images.write(_IMAGES.encode())
+            number = 0
+            for record in records:
+                if record["status"] == "ok":
+                    number += 1
+                    images.write(_image_lines(record, number).encode())
+                    yield stream.take()
+    yield stream.take()
+
+
+def _image_lines(record: Record, number: int) -> str:
+    pose = pose_of(record)
+    assert pose is not None
+    x, y, z, w = pose.quaternion_xyzw
+    values = [w, -x, -y, -z, *(pose.tvec_mm / 1000)]
+    numbers = " ".join(f"{value:.12g}" for value in values)
+    return f"{number} {numbers} 1 {image_name(record)}\n\n"
+
+
+def image_name(record: Record) -> str:
+    """The name of a frame's picture; no spaces, as COLMAP's files are split at them."""
+    source = re.sub(r"\s", "_", str(record["source"]))
+    if record.get("time_s") is None:
+        return source
+    return f"{PurePosixPath(source).with_suffix('')}/{record['frame']:06d}.png"
+
+
+def _camera_line(camera: Camera) -> str:
+    """Model, size and parameters; COLMAP's models take OpenCV's coefficients."""
+    k = camera.distortion
+    if camera.model == "fisheye":
+        name, coefficients = "OPENCV_FISHEYE", np.zeros(4)
+    elif not k.any():
+        name, coefficients = "PINHOLE", np.zeros(0)
+    elif not k[4:].any():
+        name, coefficients = "OPENCV", np.zeros(4)
+    else:
+        name, coefficients = "FULL_OPENCV", np.zeros(8)
+    known = min(len(k), len(coefficients))
+    coefficients[:known] = k[:known]
+    m = camera.matrix
+    params = [m[0, 0], m[1, 1], m[0, 2] + 0.5, m[1, 2] + 0.5, *coefficients]
+    numbers = " ".join(f"{value:.12g}" for value in params)
+    return f"{name} {camera.width} {camera.height} {numbers}"

@@ -1,0 +1,91 @@
+"""CSV: one row a frame, poses and failures alike, for spreadsheets and pandas."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator
+
+from padstudio.flights.exports.options import ExportOptions, Record
+
+#: The header says the convention: the camera in the pad frame, millimetres, degrees.
+COLUMNS = (
+    "source",
+    "frame",
+    "time_s",
+    "status",
+    "camera_in_pad_x_mm",
+    "camera_in_pad_y_mm",
+    "camera_in_pad_z_mm",
+    "pad_from_camera_qx",
+    "pad_from_camera_qy",
+    "pad_from_camera_qz",
+    "pad_from_camera_qw",
+    "heading_deg",
+    "tilt_deg",
+    "layer",
+    "cells_read",
+    "cells_wrong",
+    "log10_false_alarm",
+    "reprojection_px",
+    "sigma_x_mm",
+    "sigma_y_mm",
+    "sigma_z_mm",
+    "sigma_about_camera_x_deg",
+    "sigma_about_camera_y_deg",
+    "sigma_about_camera_z_deg",
+    "stage",
+    "reason",
+    "detail",
+    "elapsed_ms",
+)
+_PLAIN = (
+    "heading_deg",
+    "tilt_deg",
+    "layer",
+    "cells_read",
+    "cells_wrong",
+    "log10_false_alarm",
+    "reprojection_px",
+)
+# A spreadsheet would take such a text for a formula.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def write_csv(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
+    """CSV (RFC 4180), UTF-8; numbers read back as the same doubles, what is unknown is empty."""
+    line = io.StringIO(newline="")
+    writer = csv.writer(line)
+    writer.writerow(COLUMNS)
+    for record in records:
+        writer.writerow(_row(record))
+        yield line.getvalue().encode()
+        line.seek(0)
+        line.truncate()
+    yield line.getvalue().encode()
+
+
+def _row(record: Record) -> list[object]:
+    return [
+        _text(record["source"]),
+        record["frame"],
+        record.get("time_s"),
+        record["status"],
+        *_numbers(record, "position_mm", 3),
+        *_numbers(record, "quaternion_xyzw", 4),
+        *(record.get(name) for name in _PLAIN),
+        *_numbers(record, "position_sigma_mm", 3),
+        *_numbers(record, "attitude_sigma_deg", 3),
+        record.get("stage"),
+        record.get("reason"),
+        _text(record.get("detail")),
+        (record.get("elapsed_ms") or {}).get("total"),
+    ]
+
+
+def _numbers(record: Record, key: str, count: int) -> list[float | None]:
+    return list(record.get(key) or [None] * count)
+
+
+def _text(value: object) -> object:
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value

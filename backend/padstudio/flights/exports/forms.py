@@ -1,0 +1,96 @@
+"""All forms of export by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from padstudio.errors import NotFoundError
+from padstudio.flights.exports.colmap import write_colmap
+from padstudio.flights.exports.csv_table import write_csv
+from padstudio.flights.exports.jsonl import write_jsonl
+from padstudio.flights.exports.mavlink import write_ardupilot, write_px4
+from padstudio.flights.exports.mcap_log import write_mcap
+from padstudio.flights.exports.options import ExportOptions, Record, in_blocks
+from padstudio.flights.exports.tum import write_tum
+
+
+@dataclass(frozen=True)
+class Form:
+    """A form that poses can be written in.
+
+    Attributes
+    ----------
+    write : callable
+        From records and options to pieces of bytes.
+    suffix : str
+        Ending of its files.
+    media_type : str
+    title : str
+        A line for people.
+    """
+
+    write: Callable[[Iterable[Record], ExportOptions], Iterator[bytes]]
+    suffix: str
+    media_type: str
+    title: str
+
+
+FORMS: dict[str, Form] = {
+    "csv": Form(write_csv, ".csv", "text/csv", "A row a frame, for spreadsheets and pandas."),
+    "jsonl": Form(write_jsonl, ".jsonl", "application/jsonl", "The poses file itself."),
+    "tum": Form(write_tum, ".tum.txt", "text/plain", "TUM trajectory, for evo."),
+    "colmap": Form(
+        write_colmap, ".colmap.zip", "application/zip", "COLMAP text model: cameras and images."
+    ),
+    "mcap": Form(
+        write_mcap,
+        ".mcap",
+        "application/octet-stream",
+        "MCAP for Foxglove: images, calibration, poses, annotations.",
+    ),
+    "ardupilot": Form(
+        write_ardupilot,
+        ".ardupilot.tlog",
+        "application/octet-stream",
+        "MAVLink LANDING_TARGET in the body frame, as ArduPilot reads it.",
+    ),
+    "px4": Form(
+        write_px4,
+        ".px4.tlog",
+        "application/octet-stream",
+        "MAVLink LANDING_TARGET in the local frame, as PX4 reads it; needs the vehicle's poses.",
+    ),
+}
+
+
+def export(
+    form: str, records: Iterable[Record], options: ExportOptions | None = None
+) -> Iterator[bytes]:
+    """Write records in a form.
+
+    What is missing is told at once; the records are read as the bytes are asked for.
+
+    Parameters
+    ----------
+    form : str
+        A key of `FORMS`.
+    records : iterable of dict
+        As `padstudio.vision.types.Detection.to_record`, in the order of time.
+    options : ExportOptions or None
+
+    Returns
+    -------
+    iterator of bytes
+        The file in blocks.
+
+    Raises
+    ------
+    NotFoundError
+        If there is no such form.
+    SpecError
+        If the form needs what the options do not have.
+    """
+    if form not in FORMS:
+        raise NotFoundError(f"there is no form {form!r}; there are {', '.join(FORMS)}")
+    return in_blocks(FORMS[form].write(records, options or ExportOptions()))

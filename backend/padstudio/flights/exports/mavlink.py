@@ -1,0 +1,158 @@
+"""MAVLink LANDING_TARGET as a telemetry log (.tlog), in the profiles that autopilots read.
+
+ArduPilot takes the target's position in the body frame; PX4 takes it in the local frame alone, for
+which the vehicle's own pose must be known. A .tlog is a sequence of packets, each after its time in
+microseconds of Unix time, 8 bytes big-endian.
+
+References
+----------
+https://mavlink.io/en/services/landing_target.html
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import SpecError
+from padstudio.flights.exports.options import ExportOptions, Record, pose_of, timed
+from padstudio.geometry.pose import Pose
+
+Array = NDArray[np.float64]
+
+# The pad as a frame of the autopilots' kind: x up the page, y to its right, z into it.
+_R_PAD_TARGET = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+# A companion computer of vehicle 1 speaks.
+_SYSTEM, _COMPONENT = 1, 191
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """The pad as the vehicle sees it.
+
+    Attributes
+    ----------
+    position_m : (3,) float64
+        The pad's centre.
+    rotation : (3, 3) float64
+        Takes vectors of the pad as a frame x up the page, y right, z into it, to the same frame
+        as the position.
+    """
+
+    position_m: Array
+    rotation: Array
+
+
+Place = Callable[[Target, float], Target | None]
+
+
+def write_ardupilot(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
+    """``MAV_FRAME_BODY_FRD``: metres forward, right and down from the vehicle."""
+    return _write(records, options, "MAV_FRAME_BODY_FRD", lambda target, _: target)
+
+
+def write_px4(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
+    """``MAV_FRAME_LOCAL_NED``: metres north, east and down from the vehicle's origin.
+
+    Frames at which the vehicle's pose is not known are left out.
+
+    Raises
+    ------
+    SpecError
+        If no poses of the vehicle are given.
+    """
+    track = options.vehicle
+    if track is None:
+        raise SpecError(
+            "PX4 takes landing targets in its local frame alone, which needs the vehicle's own "
+            "poses: give them, or use the ArduPilot profile",
+            code="vehicle_pose_required",
+        )
+
+    def to_local(target: Target, time_s: float) -> Target | None:
+        found = track.at(time_s)
+        if found is None:
+            return None
+        position, rotation = found
+        return Target(position + rotation @ target.position_m, rotation @ target.rotation)
+
+    return _write(records, options, "MAV_FRAME_LOCAL_NED", to_local)
+
+
+def target_in_body(pose: Pose, options: ExportOptions) -> Target:
+    """The pad in the body frame of the vehicle that the camera is mounted on."""
+    mount = options.mount
+    return Target(
+        mount.position_m + mount.rotation @ (pose.tvec_mm / 1000),
+        mount.rotation @ pose.rotation.T @ _R_PAD_TARGET,
+    )
+
+
+def _write(
+    records: Iterable[Record], options: ExportOptions, frame: str, place: Place
+) -> Iterator[bytes]:
+    from pymavlink.dialects.v20 import common
+
+    link = common.MAVLink(None, _SYSTEM, _COMPONENT)
+
+    def packet(message: Any, time_us: int) -> bytes:
+        data: bytes = message.pack(link)
+        link.seq = (link.seq + 1) % 256
+        return struct.pack(">Q", time_us) + data
+
+    start_us = round(options.start_unix_s * 1e6)
+    yield packet(_header(common, frame), start_us)
+    for record, time_s in timed(records):
+        pose = pose_of(record)
+        if pose is None:
+            continue
+        body = target_in_body(pose, options)
+        target = place(body, time_s)
+        if target is not None:
+            time_us = start_us + round(time_s * 1e6)
+            message = _message(common, getattr(common, frame), pose, body, target, options, time_us)
+            yield packet(message, time_us)
+
+
+def _header(common: Any, frame: str) -> Any:
+    """The convention, where log viewers show messages; 50 bytes are all there is."""
+    text = f"LANDING_TARGET {frame} m".encode()
+    return common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, text)
+
+
+def _message(
+    common: Any,
+    frame: int,
+    pose: Pose,
+    body: Target,
+    target: Target,
+    options: ExportOptions,
+    time_us: int,
+) -> Any:
+    distance_m = float(np.linalg.norm(body.position_m))
+    # Angles are those of the picture: positive to the right and down.
+    x, y, z = pose.tvec_mm
+    width, height = options.pad_size_mm or (0.0, 0.0)
+    q = Pose(target.position_m, target.rotation).quaternion_xyzw
+    return common.MAVLink_landing_target_message(
+        time_usec=time_us,
+        target_num=0,
+        frame=frame,
+        angle_x=math.atan2(x, z),
+        angle_y=math.atan2(y, z),
+        distance=distance_m,
+        size_x=2 * math.atan2(width / 2000, distance_m),
+        size_y=2 * math.atan2(height / 2000, distance_m),
+        x=target.position_m[0],
+        y=target.position_m[1],
+        z=target.position_m[2],
+        q=[q[3], q[0], q[1], q[2]],
+        type=common.LANDING_TARGET_TYPE_VISION_FIDUCIAL,
+        position_valid=1,
+    )

@@ -1,0 +1,84 @@
+"""What exports need beside the records, and what they have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import SpecError
+from padstudio.flights.exports.vehicle import DOWNWARD, Mount, VehicleTrack
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
+
+Record = dict[str, Any]
+Array = NDArray[np.float64]
+
+#: Seconds from one still to the next, as stills have no times.
+STILL_INTERVAL_S = 1.0
+_BLOCK_BYTES = 64 * 1024
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions:
+    """What an export may need beside the records.
+
+    Attributes
+    ----------
+    camera : Camera or None
+        That of the frames, in their size.
+    pad_size_mm : (width, height) or None
+        Of the pad without its quiet margin.
+    picture : callable or None
+        From a record to its frame as a JPEG, PNG or WebP file, or None where there is none.
+    start_unix_s : float
+        Unix time of the time 0 of the records, s.
+    mount : Mount
+        How the camera sits on the vehicle.
+    vehicle : VehicleTrack or None
+        Where the vehicle was.
+    """
+
+    camera: Camera | None = None
+    pad_size_mm: tuple[float, float] | None = None
+    picture: Callable[[Record], bytes | None] | None = None
+    start_unix_s: float = 0.0
+    mount: Mount = DOWNWARD
+    vehicle: VehicleTrack | None = None
+
+    def need_camera(self, form: str) -> Camera:
+        """The camera; raises `SpecError` where none is given."""
+        if self.camera is None:
+            raise SpecError(
+                f"{form} holds the camera's calibration: give the camera", code="camera_required"
+            )
+        return self.camera
+
+
+def timed(records: Iterable[Record]) -> Iterator[tuple[Record, float]]:
+    """Records with their times, s; stills are `STILL_INTERVAL_S` apart."""
+    for place, record in enumerate(records):
+        time_s = record.get("time_s")
+        yield record, place * STILL_INTERVAL_S if time_s is None else float(time_s)
+
+
+def pose_of(record: Record) -> Pose | None:
+    """A record's pose; None where the frame failed."""
+    if record["status"] != "ok":
+        return None
+    return Pose(np.array(record["position_mm"], float), np.array(record["rotation"], float))
+
+
+def in_blocks(pieces: Iterable[bytes]) -> Iterator[bytes]:
+    """Join small pieces into blocks that are worth sending."""
+    block = bytearray()
+    for piece in pieces:
+        block += piece
+        if len(block) >= _BLOCK_BYTES:
+            yield bytes(block)
+            block.clear()
+    if block:
+        yield bytes(block)

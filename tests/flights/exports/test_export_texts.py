@@ -1,0 +1,159 @@
+"""CSV, JSON lines, TUM and COLMAP, read back by readers of their own."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import zipfile
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from export_records import CAMERA, FAILED_AT, POSES, records, rotation, times
+
+from padstudio.errors import NotFoundError, SpecError
+from padstudio.flights.exports.forms import FORMS, export
+from padstudio.flights.exports.options import ExportOptions
+from padstudio.geometry.camera import Camera
+
+
+def _text(form: str, **options: Any) -> str:
+    return b"".join(export(form, records(), ExportOptions(**options))).decode()
+
+
+def test_csv_has_a_row_a_frame_and_the_same_doubles() -> None:
+    rows = list(csv.DictReader(io.StringIO(_text("csv"), newline="")))
+    assert len(rows) == len(records())
+    for row, record in zip(rows, records(), strict=True):
+        assert row["status"] == record["status"]
+        assert float(row["time_s"]) == record["time_s"]
+        if record["status"] == "ok":
+            position = [float(row[f"camera_in_pad_{axis}_mm"]) for axis in "xyz"]
+            quaternion = [float(row[f"pad_from_camera_q{axis}"]) for axis in "xyzw"]
+            assert position == record["position_mm"]
+            assert quaternion == record["quaternion_xyzw"]
+            assert (row["layer"], row["cells_read"], row["sigma_x_mm"]) == ("red", "90", "")
+        else:
+            assert (row["stage"], row["reason"]) == ("lines", "no_lattice")
+            assert row["camera_in_pad_x_mm"] == ""
+
+
+@pytest.mark.parametrize("source", ["=cmd|' /C calc'!A0", "+1.jpg", "-1.jpg", "@x"])
+def test_csv_has_no_formulas(source: str) -> None:
+    record = records()[0] | {"source": source}
+    (row,) = csv.DictReader(io.StringIO(b"".join(export("csv", [record])).decode(), newline=""))
+    assert row["source"] == "'" + source
+
+
+def test_jsonl_is_the_poses_file() -> None:
+    assert [json.loads(line) for line in _text("jsonl").splitlines()] == records()
+
+
+def test_tum_read_by_numpy() -> None:
+    text = _text("tum", start_unix_s=1_700_000_000.0)
+    assert "pad frame, metres" in text
+    assert "Unix time" in text.split("\n")[3]
+    table = np.loadtxt(io.StringIO(text))
+    assert table.shape == (len(POSES), 8)
+    assert table[:, 0] == pytest.approx(np.array(times()) + 1_700_000_000.0, abs=1e-6)
+    for row, pose in zip(table, POSES, strict=True):
+        assert row[1:4] * 1000 == pytest.approx(pose.position_mm, abs=1e-5)
+        # Quaternions stand scalar last.
+        assert rotation(row[[7, 4, 5, 6]]) == pytest.approx(pose.rotation, abs=1e-9)
+
+
+def test_stills_have_times_of_their_own() -> None:
+    stills = [record | {"time_s": None, "frame": 0} for record in records()]
+    table = np.loadtxt(io.StringIO(b"".join(export("tum", stills)).decode()))
+    assert table[:, 0].tolist() == [k for k in range(6) if k != FAILED_AT]
+
+
+def _model(camera: Camera) -> dict[str, list[str]]:
+    data = b"".join(export("colmap", records(), ExportOptions(camera=camera)))
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert archive.testzip() is None
+        return {
+            name: [
+                line
+                for line in archive.read(name).decode().splitlines()
+                if not line.startswith("#")
+            ]
+            for name in archive.namelist()
+        }
+
+
+def test_colmap_takes_pad_points_to_pixels() -> None:
+    model = _model(CAMERA)
+    assert model["points3D.txt"] == []
+    (line,) = model["cameras.txt"]
+    number, name, width, height, *params = line.split()
+    assert (number, name, width, height) == ("1", "PINHOLE", "640", "480")
+    fx, fy, cx, cy = map(float, params)
+    lines = model["images.txt"]
+    assert lines[1::2] == [""] * len(POSES)
+    for k, (line, pose) in enumerate(zip(lines[::2], POSES, strict=True)):
+        image, *numbers, camera_id, file = line.split()
+        assert (image, camera_id) == (str(k + 1), "1")
+        assert file == f"a_flight/{round(times()[k] * 10):06d}.png"
+        values = np.array(numbers, float)
+        point = rotation(values[:4]) @ [0.1, -0.05, 0] + values[4:]
+        pixel = np.array([fx, fy]) * point[:2] / point[2] + (cx, cy)
+        seen = CAMERA.project((np.array([[100.0, -50, 0]]) - pose.position_mm) @ pose.rotation)
+        # COLMAP counts pixels from the corner of the first one, we from its centre.
+        assert pixel - 0.5 == pytest.approx(seen[0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lens", "coefficients", "name", "params"),
+    [
+        ("radtan", [-0.2, 0.05, 0.001, 0.002], "OPENCV", [-0.2, 0.05, 0.001, 0.002]),
+        ("radtan", [-0.2, 0.05, 0.001, 0.002, 0], "OPENCV", [-0.2, 0.05, 0.001, 0.002]),
+        (
+            "radtan",
+            [-0.2, 0.05, 0.001, 0.002, 0.01],
+            "FULL_OPENCV",
+            [-0.2, 0.05, 0.001, 0.002, 0.01, 0, 0, 0],
+        ),
+        ("radtan", [1, 2, 3, 4, 5, 6, 7, 8], "FULL_OPENCV", [1, 2, 3, 4, 5, 6, 7, 8]),
+        ("fisheye", [0.1, 0.2, 0.3, 0.4], "OPENCV_FISHEYE", [0.1, 0.2, 0.3, 0.4]),
+        ("fisheye", [], "OPENCV_FISHEYE", [0, 0, 0, 0]),
+    ],
+)
+def test_colmap_cameras(lens: Any, coefficients: list[float], name: str, params: Any) -> None:
+    camera = Camera(640, 480, CAMERA.matrix, np.array(coefficients, float), lens)
+    (line,) = _model(camera)["cameras.txt"]
+    assert line.split()[1] == name
+    assert [float(value) for value in line.split()[8:]] == params
+
+
+@pytest.mark.parametrize("form", ["colmap", "mcap"])
+def test_what_is_missing_is_told_before_the_first_byte(form: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        export(form, records())
+    assert caught.value.error_code == "camera_required"
+
+
+def test_unknown_forms_are_refused_by_name() -> None:
+    with pytest.raises(NotFoundError, match="csv, jsonl, tum"):
+        export("kml", records())
+
+
+def test_every_form_takes_a_flight_without_a_pose() -> None:
+    failed = [records()[FAILED_AT]]
+    options = ExportOptions(camera=CAMERA)
+    for form in set(FORMS) - {"px4"}:
+        assert b"".join(export(form, failed, options))
+
+
+def test_long_flights_come_in_blocks() -> None:
+    many = (record for _ in range(2000) for record in records())
+    blocks = list(export("csv", many))
+    assert len(blocks) > 10
+    assert max(map(len, blocks)) < 80_000
+
+
+def test_rotations_of_this_test_agree_with_opencv() -> None:
+    turned, _ = cv2.Rodrigues(np.array([0.0, 0.0, np.pi / 2]))
+    assert rotation([np.sqrt(0.5), 0, 0, np.sqrt(0.5)]) == pytest.approx(turned)
