@@ -79,6 +79,14 @@ class Inks:
         (..., 3) float32
             Linear RGB, 0 … 1.
         """
+        # A print has many patches of few colours.
+        packed = np.asarray(colors, np.uint32) @ np.array([1, 1 << 8, 1 << 16], np.uint32)
+        kinds, places = np.unique(packed, return_inverse=True)
+        mixed = self._mix((kinds[:, None] >> np.array([0, 8, 16], np.uint32)).astype(np.uint8))
+        return mixed[places.reshape(packed.shape)]
+
+    def _mix(self, colors: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """(N, 3) linear reflectances of nominal colours (N, 3)."""
         table = linear_from_srgb(self._primaries() / 255.0)
         share = np.asarray(colors, float) / 255.0
         out = np.zeros(share.shape)
