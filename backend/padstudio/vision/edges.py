@@ -16,6 +16,8 @@ from padstudio.vision.types import Array
 # A step counts where it is this much above the mean step of its neighbourhood …
 _OVER_LOCAL = 1.2
 _NEIGHBOURHOOD = 31
+# More edges than this are thinned evenly.
+_MOST_EDGES = 16_000
 # … and above what noise does, grey values a pixel.
 _LEAST_STEP = 0.6
 
@@ -74,6 +76,8 @@ def find_edges(plane: Plane, camera: Camera) -> EdgeSet:
     size = np.asarray(cv2.magnitude(gx, gy), np.float32)
     floor = np.maximum(_OVER_LOCAL * cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD)), _LEAST_STEP)
     y, x, along_x = _peaks(gx, gy, size, floor)
+    stride = max(1, -(-len(y) // _MOST_EDGES))
+    y, x, along_x = y[::stride], x[::stride], along_x[::stride]
     here = size[y, x]
     before = np.where(along_x, size[y, x - 1], size[y - 1, x])
     after = np.where(along_x, size[y, x + 1], size[y + 1, x])

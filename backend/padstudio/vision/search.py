@@ -119,6 +119,8 @@ def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region
 # Lattices of less order are tried only when a round has found no better one, and not many.
 _CLEAR_ORDER = 0.85
 _MOST_UNSURE = 6
+# Axes that edges agree with so little are not worth a look.
+_LEAST_COHERENCE = 0.12
 # Cells that agree so well, but are too few to be sure, are a matter of number.
 _ALIKE = 0.8
 _ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
@@ -154,6 +156,8 @@ def _lattice(
     coherence = 0.0
     for score, axes in recorder.run("lines", channel, find_axes, edges, steep=steep):
         coherence = max(coherence, score)
+        if score < _LEAST_COHERENCE:
+            break
         families = recorder.run("lines", channel, find_lines, edges, score, axes)
         if families is None:
             continue
