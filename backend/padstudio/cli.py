@@ -16,6 +16,7 @@ from padstudio import (
     cli_print,
     cli_serve,
     cli_simulate,
+    cli_worker,
 )
 from padstudio.cli_support import StudioGroup
 
@@ -57,5 +58,13 @@ def _root(
     pass
 
 
-for part in (cli_generate, cli_print, cli_detect, cli_simulate, cli_coverage, cli_serve):
+for part in (
+    cli_generate,
+    cli_print,
+    cli_detect,
+    cli_simulate,
+    cli_coverage,
+    cli_serve,
+    cli_worker,
+):
     part.register(app)

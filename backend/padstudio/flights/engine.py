@@ -160,15 +160,11 @@ class Engine:
         configure()
         options = self._options
         if options.scheduler is not None:
-            given = {
-                "tls_ca_file": options.tls_ca,
-                "tls_client_cert": options.tls_cert,
-                "tls_client_key": options.tls_key,
-            }
-            known = {name: value for name, value in given.items() if value is not None}
-            security = Security(**known, require_encryption=True)
             self._client = Client(
-                options.scheduler, security=security, timeout=_CONNECT_S, set_as_default=False
+                options.scheduler,
+                security=security_of(options),
+                timeout=_CONNECT_S,
+                set_as_default=False,
             )
             return
         security = Security.temporary()
@@ -200,6 +196,21 @@ class Engine:
         with contextlib.suppress(Exception):
             future.release()
         ended(outcome)
+
+
+def security_of(options: EngineOptions) -> Any:
+    """Dask's security for a scheduler's address."""
+    from distributed.security import Security
+
+    given = {
+        "tls_ca_file": options.tls_ca,
+        "tls_client_cert": options.tls_cert,
+        "tls_client_key": options.tls_key,
+        "tls_worker_cert": options.tls_cert,
+        "tls_worker_key": options.tls_key,
+    }
+    known = {name: value for name, value in given.items() if value is not None}
+    return Security(**known, require_encryption=True)
 
 
 def check_scheduler(address: str | None) -> None:
