@@ -19,8 +19,9 @@ ToPixels = Callable[[Array], Array]
 
 # Cells are read at the level where they are at least this wide, pixels.
 _READING_WIDTH = 3.0
-# Where a cell is read whose centre is out of view: half way to a side, then to a corner.
-_OFF_CENTRE = 0.3 * np.array(
+# Where a cell is read whose centre is out of view: toward a side, then toward a corner, but not so
+# far that its neighbour shows at the scale that cells are read at.
+_OFF_CENTRE = 0.2 * np.array(
     [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]], float
 )
 # Brightness is compared with that of a block of this many cells a side.

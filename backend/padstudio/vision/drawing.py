@@ -26,6 +26,10 @@ _AXES: tuple[Color, Color, Color] = ((80, 80, 255), (90, 220, 90), (255, 140, 80
 # Positions are drawn with this many fractional bits.
 _SHIFT = 4
 _MOST_LINES = 400
+# Grid lines nearer to each other than this would hide the picture.
+_LEAST_GRID_PX = 7.0
+# Smaller pictures are enlarged to at least this width.
+_SHOWN_WIDTH = 700
 
 #: Pictures are made no wider than this.
 MAX_WIDTH = 1600
@@ -50,16 +54,28 @@ def dim(picture: Image) -> Image:
     return (picture * 0.55).astype(np.uint8)
 
 
-def points(picture: Image, xy: Array, color: Color) -> None:
-    """Set single pixels."""
-    at = np.round(xy).astype(int)
+def enlarge(picture: Image) -> tuple[Image, int]:
+    """A small picture by a whole factor, so that strokes on it are fine, and the factor."""
+    factor = max(1, -(-_SHOWN_WIDTH // picture.shape[1]))
+    if factor == 1:
+        return picture, 1
+    return np.repeat(np.repeat(picture, factor, axis=0), factor, axis=1), factor
+
+
+def points(picture: Image, xy: Array, color: Color, factor: int = 1) -> None:
+    """Mark positions of a picture enlarged by a factor."""
+    size = max(1, factor // 2)
     h, w = picture.shape[:2]
-    inside = (at[:, 0] >= 0) & (at[:, 1] >= 0) & (at[:, 0] < w) & (at[:, 1] < h)
-    picture[at[inside, 1], at[inside, 0]] = color
+    first = np.round((xy + 0.5) * factor - size / 2).astype(int)
+    for dy in range(size):
+        for dx in range(size):
+            x, y = first[:, 0] + dx, first[:, 1] + dy
+            inside = (x >= 0) & (y >= 0) & (x < w) & (y < h)
+            picture[y[inside], x[inside]] = color
 
 
-def lattice(picture: Image, found: Lattice) -> None:
-    """Draw numbered grid lines into the plane they were found in."""
+def lattice(picture: Image, found: Lattice, factor: int = 1) -> None:
+    """Draw numbered grid lines into the plane they were found in, enlarged by a factor."""
     edges = found.families.edges
     scale = _ray_to_pixel(edges.rays[:, :2], edges.plane.from_frame(edges.xy))
     spans = ((found.columns, found.rows, FIRST), (found.rows, found.columns, SECOND))
@@ -70,7 +86,7 @@ def lattice(picture: Image, found: Lattice) -> None:
             fixed = np.full_like(along, number)
             pair = (fixed, along) if axis == 0 else (along, fixed)
             line = scale(found.to_rays(np.stack(pair, axis=1)))
-            _polyline(picture, line, color)
+            _polyline(picture, (line + 0.5) * factor - 0.5, color)
 
 
 def _ray_to_pixel(rays: Array, pixels: Array):  # type: ignore[no-untyped-def]
@@ -124,7 +140,7 @@ class Canvas:
     def _at(self, xy: Array) -> Array:
         return (xy + 0.5) / self._scale - 0.5
 
-    def cells(self, cells: CellGrid, expected: NDArray[np.int8], _read: int) -> None:
+    def cells(self, cells: CellGrid, expected: NDArray[np.int8]) -> None:
         """Mark each read cell: green where it agrees with the pad, red where it does not."""
         count = max(int(expected.max()) + 1, 2)
         levels = cells.levels(count)
@@ -135,6 +151,26 @@ class Canvas:
                 continue
             agrees = levels[row, col] == expected[row, col]
             self._dot(xy[row, col], radius if agrees else radius * 1.6, RIGHT if agrees else WRONG)
+
+    def grid(self, cells: CellGrid) -> None:
+        """Draw the lines between the read cells, faintly, where they stand apart."""
+        if cells.cell_px / self._scale < _LEAST_GRID_PX:
+            return
+        lines = self.picture.copy()
+        xy = self._at(np.where(cells.seen[..., None], cells.xy, np.nan))
+        for axis in (0, 1):
+            table = np.moveaxis(xy, axis, 0)
+            for between in (table[:-1] + table[1:]) / 2:
+                known = between[np.isfinite(between).all(axis=1)]
+                if len(known) > 1:
+                    _polyline(lines, known, (255, 255, 255))
+        cv2.addWeighted(lines, 0.45, self.picture, 0.55, 0, dst=self.picture)
+
+    def quad(self, corners: Array) -> None:
+        """Draw a closed outline of four corners, frame pixels."""
+        at = self._at(np.vstack([corners, corners[:1]]))
+        _polyline(self.picture, at, (0, 0, 0), 4)
+        _polyline(self.picture, at, FIRST, 2)
 
     def _dot(self, xy: Array, radius: float, color: Color) -> None:
         disc(self.picture, xy, radius, color)

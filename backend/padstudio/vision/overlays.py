@@ -16,6 +16,7 @@ from padstudio.vision.choose import Choice
 from padstudio.vision.decode import Placement
 from padstudio.vision.directions import LineFamilies
 from padstudio.vision.edges import EdgeSet
+from padstudio.vision.far import WholeSign
 from padstudio.vision.lattice import Lattice
 from padstudio.vision.measure import LayerRead, Measurement
 from padstudio.vision.planes import BGR_INDEX, Plane
@@ -56,12 +57,16 @@ def result_picture(trace: Trace, detection: Detection) -> Image:
     posed = trace.get("pose")
     if posed is not None and type(posed.output) in overlays_paper.PAINTERS:
         return overlays_paper.PAINTERS[type(posed.output)](trace, posed.output, None)
+    far = trace.get("outline")
+    if detection.layer == "outline" and far is not None and isinstance(far.output, WholeSign):
+        return _paint_whole_sign(trace, far.output, None)
     record = trace.get("choose")
     picture = drawing.fit(trace.image, MAX_WIDTH)
     if detection.pose is None or record is None or not isinstance(record.output, Choice):
         return picture
     canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
-    canvas.cells(record.output.read.cells, record.output.read.expected, detection.cells_read)
+    canvas.grid(record.output.read.cells)
+    canvas.cells(record.output.read.cells, record.output.read.expected)
     if posed is not None and isinstance(posed.output, Measurement):
         canvas.axes(posed.output)
     return canvas.picture
@@ -103,32 +108,34 @@ def _one_channel(picture: Image, channel: Channel | None) -> Image:
 
 
 def _paint_plane(trace: Trace, output: Plane, channel: Channel | None) -> Image:
-    return drawing.gray(output.values)
+    return drawing.enlarge(drawing.gray(output.values))[0]
 
 
 def _paint_binary(trace: Trace, output: Binary, channel: Channel | None) -> Image:
-    return np.asarray(cv2.cvtColor(output.mask, cv2.COLOR_GRAY2BGR), np.uint8)
+    picture = np.asarray(cv2.cvtColor(output.mask, cv2.COLOR_GRAY2BGR), np.uint8)
+    return drawing.enlarge(picture)[0]
 
 
 def _paint_edges(trace: Trace, output: EdgeSet, channel: Channel | None) -> Image:
-    picture = np.zeros((*output.plane.values.shape, 3), np.uint8)
-    drawing.points(picture, output.plane.from_frame(output.xy), (255, 255, 255))
+    dark = np.zeros((*output.plane.values.shape, 3), np.uint8)
+    picture, factor = drawing.enlarge(dark)
+    drawing.points(picture, output.plane.from_frame(output.xy), (255, 255, 255), factor)
     return picture
 
 
 def _paint_lines(trace: Trace, output: LineFamilies, channel: Channel | None) -> Image:
     plane = output.edges.plane
-    picture = drawing.dim(drawing.gray(plane.values))
+    picture, factor = drawing.enlarge(drawing.dim(drawing.gray(plane.values)))
     local = plane.from_frame(output.edges.xy)
-    drawing.points(picture, local[output.on_u], drawing.FIRST)
-    drawing.points(picture, local[output.on_v], drawing.SECOND)
+    drawing.points(picture, local[output.on_u], drawing.FIRST, factor)
+    drawing.points(picture, local[output.on_v], drawing.SECOND, factor)
     return picture
 
 
 def _paint_lattice(trace: Trace, output: Lattice, channel: Channel | None) -> Image:
     edges = output.families.edges
-    picture = drawing.dim(drawing.gray(edges.plane.values))
-    drawing.lattice(picture, output)
+    picture, factor = drawing.enlarge(drawing.dim(drawing.gray(edges.plane.values)))
+    drawing.lattice(picture, output, factor)
     return picture
 
 
@@ -147,7 +154,16 @@ def _paint_choice(trace: Trace, output: Choice, channel: Channel | None) -> Imag
 def _cells_over(trace: Trace, cells: Any, expected: NDArray[np.int8]) -> Image:
     picture = drawing.fit(trace.image, MAX_WIDTH)
     canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
-    canvas.cells(cells, expected, 0)
+    canvas.grid(cells)
+    canvas.cells(cells, expected)
+    return canvas.picture
+
+
+def _paint_whole_sign(trace: Trace, output: WholeSign, channel: Channel | None) -> Image:
+    picture = drawing.fit(trace.image, MAX_WIDTH)
+    canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
+    canvas.cells(output.read.cells, output.read.expected)
+    canvas.quad(output.outline.corners_xy)
     return canvas.picture
 
 
@@ -171,5 +187,6 @@ _PAINTERS: dict[type, Callable[[Trace, Any, Channel | None], Image]] = {
     LayerRead: _paint_read,
     Choice: _paint_choice,
     Measurement: _paint_measurement,
+    WholeSign: _paint_whole_sign,
     **overlays_paper.PAINTERS,
 }

@@ -96,7 +96,7 @@ def _paint_window(trace: Trace, output: CentralWindow, channel: Channel | None) 
 
 def _paint_read(trace: Trace, output: WindowRead, channel: Channel | None) -> Image:
     canvas = _canvas(trace)
-    canvas.cells(output.cells, output.expected, 0)
+    canvas.cells(output.cells, output.expected)
     canvas.quadrilateral(output.window.corners_xy, _WINDOW)
     return canvas.picture
 
@@ -107,7 +107,7 @@ def _paint_choice(trace: Trace, output: WindowChoice, channel: Channel | None) -
 
 def _paint_window_pose(trace: Trace, output: WindowPose, channel: Channel | None) -> Image:
     canvas = _canvas(trace)
-    canvas.cells(output.read.cells, output.read.expected, 0)
+    canvas.cells(output.read.cells, output.read.expected)
     canvas.quadrilateral(output.read.window.corners_xy, _WINDOW)
     canvas.pose_axes(output.pose, output.camera, output.points_mm)
     return canvas.picture
@@ -124,7 +124,7 @@ def _paint_outline(trace: Trace, output: Outline, channel: Channel | None) -> Im
 
 def _paint_outline_pose(trace: Trace, output: OutlinePose, channel: Channel | None) -> Image:
     canvas = _canvas(trace)
-    canvas.cells(output.read.cells, output.read.expected, 0)
+    canvas.cells(output.read.cells, output.read.expected)
     canvas.quadrilateral(output.outline.corners_xy, _WINDOW)
     canvas.pose_axes(output.pose, output.camera, output.points_mm)
     return canvas.picture
