@@ -14,7 +14,6 @@ from padstudio.flights import analysis
 from padstudio.flights.detectors import Recipe, detector_for
 from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.tasks import StillPart, VideoPart, read_still
-from padstudio.flights.video_frames import read_frames
 from padstudio.flights.work import recipe_of, still_part, video_part
 from padstudio.vision.types import STAGES, Detection
 
@@ -105,9 +104,7 @@ def _detect(job: PictureJob) -> Detection:
     wanted = part.timestamps[-1]
     found = [
         (picture.pts, picture.bgr)
-        for picture in read_frames(
-            part.url, part.timestamps, rotation_deg=part.rotation_deg, max_pixels=job.max_pixels
-        )
+        for picture in part.read(job.max_pixels)
         if picture.bgr is not None
     ]
     if not found or found[-1][0] != wanted:

@@ -140,6 +140,7 @@ class PlanTask:
             "start_pts": int(index.pts[0]),
             "time_base_s": float(index.time_base),
             "rotation_deg": rotation,
+            "is_counted": index.is_counted,
             "video": asdict(index.info),
         }, index
 

@@ -10,7 +10,6 @@ import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -50,6 +49,8 @@ class VideoPart:
         Time of the video's first frame in the flight.
     rotation_deg : int
         Turn the pictures clockwise: 0, 90, 180 or 270.
+    is_counted : bool
+        As of `padstudio.flights.video_index.VideoIndex`.
     """
 
     url: str
@@ -59,11 +60,22 @@ class VideoPart:
     time_base_s: float
     start_s: float
     rotation_deg: int = 0
+    is_counted: bool = False
 
     @property
     def timestamps(self) -> list[int]:
         """The presentation timestamps."""
         return [int(value) for value in np.frombuffer(self.pts, "<i8")]
+
+    def read(self, max_pixels: int) -> Iterator[VideoPicture]:
+        """As `padstudio.flights.video_frames.read_frames`."""
+        return read_frames(
+            self.url,
+            self.timestamps,
+            rotation_deg=self.rotation_deg,
+            is_counted=self.is_counted,
+            max_pixels=max_pixels,
+        )
 
 
 @dataclass(frozen=True)
@@ -133,10 +145,7 @@ class FramesTask:
         return records
 
     def _video(self, detector: Detector, part: VideoPart) -> Iterator[Record]:
-        pictures = read_frames(
-            part.url, part.timestamps, rotation_deg=part.rotation_deg, max_pixels=self.max_pixels
-        )
-        for picture, found in _track(detector, pictures):
+        for picture, found in _track(detector, part.read(self.max_pixels)):
             record = found if isinstance(found, dict) else _record(found, part.name)
             time_s = part.start_s + (picture.pts - part.start_pts) * part.time_base_s
             record |= {"source": part.name, "time_s": time_s}
@@ -237,9 +246,3 @@ def _defect(error: Exception) -> Record:
     logger.exception("a frame brought a defect to light", exc_info=error)
     detail = f"a defect of the program: {error!r}"
     return _LOST | {"reason": "internal_error", "detail": detail, "advice": ""}
-
-
-@lru_cache(maxsize=1)
-def never() -> Callable[[], bool]:
-    """A stop signal that never comes."""
-    return lambda: False

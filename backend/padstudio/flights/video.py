@@ -10,6 +10,7 @@ from padstudio.errors import LimitError, StudioError
 from padstudio.flights.storage import open_source
 
 if TYPE_CHECKING:
+    from av import VideoFrame
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
@@ -80,6 +81,24 @@ def main_stream(container: InputContainer, max_pixels: int = MAX_PIXELS) -> Vide
     context.thread_count = 1
     context.thread_type = "NONE"
     return stream
+
+
+def decode(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
+    """Decode from where a container is: what is damaged is passed over, up to the end."""
+    import av
+
+    packets = container.demux(stream)
+    while True:
+        try:
+            packet = next(packets, None)
+            frames = packet.decode() if packet is not None else []
+        except av.error.InvalidDataError:
+            continue
+        except (av.error.FFmpegError, EOFError):
+            return
+        if packet is None:
+            return
+        yield from frames
 
 
 def read_subtitles(source: str) -> Iterator[tuple[float, str]]:

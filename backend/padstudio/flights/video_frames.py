@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import LimitError
-from padstudio.flights.video import MAX_PIXELS, main_stream, open_container
+from padstudio.flights.video import MAX_PIXELS, decode, main_stream, open_container
 
 if TYPE_CHECKING:
     from av import VideoFrame
     from av.container import InputContainer
     from av.video.stream import VideoStream
+
+# More than most cameras leave between keyframes.
+_STEP_BACK_S = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +42,12 @@ class VideoPicture:
 
 
 def read_frames(
-    source: str, pts: Sequence[int], *, rotation_deg: int = 0, max_pixels: int = MAX_PIXELS
+    source: str,
+    pts: Sequence[int],
+    *,
+    rotation_deg: int = 0,
+    is_counted: bool = False,
+    max_pixels: int = MAX_PIXELS,
 ) -> Iterator[VideoPicture]:
     """Decode frames of a video by their timestamps.
 
@@ -53,6 +62,8 @@ def read_frames(
         Presentation timestamps of the stream, ascending, as in `VideoIndex.pts`.
     rotation_deg : {0, 90, 180, 270}
         Turn the pictures clockwise.
+    is_counted : bool
+        As of `VideoIndex`.
     max_pixels : int
 
     Yields
@@ -69,47 +80,52 @@ def read_frames(
     if not wanted:
         return
     place = 0
-    with open_container(source, max_pixels) as container:
-        stream = main_stream(container, max_pixels)
-        for frame in _decoded_from(container, stream, wanted[0]):
-            if frame.pts is None:
-                continue
-            while place < len(wanted) and wanted[place] < frame.pts:
-                yield VideoPicture(wanted[place], None)
-                place += 1
-            if place == len(wanted):
-                return
-            if wanted[place] == frame.pts:
-                bgr = _to_bgr(frame, rotation_deg, max_pixels)
-                yield VideoPicture(wanted[place], bgr, bool(frame.is_corrupt))
-                place += 1
-                if place == len(wanted):
-                    return
+    numbered = _counted if is_counted else _timed
+    for at, frame in numbered(source, wanted[0], max_pixels):
+        while place < len(wanted) and wanted[place] < at:
+            yield VideoPicture(wanted[place], None)
+            place += 1
+        if place < len(wanted) and wanted[place] == at:
+            bgr = _to_bgr(frame, rotation_deg, max_pixels)
+            yield VideoPicture(at, bgr, bool(frame.is_corrupt))
+            place += 1
+        if place == len(wanted):
+            return
     for missing in wanted[place:]:
         yield VideoPicture(missing, None)
 
 
-def _decoded_from(container: InputContainer, stream: VideoStream, pts: int) -> Iterator[VideoFrame]:
-    """Frames in order of presentation, from the keyframe before a timestamp on."""
+def _counted(source: str, first: int, max_pixels: int) -> Iterator[tuple[int, VideoFrame]]:
+    """Frames with their numbers, from the start."""
+    with open_container(source, max_pixels) as container:
+        stream = main_stream(container, max_pixels)
+        yield from enumerate(decode(container, stream))
+
+
+def _timed(source: str, first: int, max_pixels: int) -> Iterator[tuple[int, VideoFrame]]:
+    """Frames with their timestamps, from the keyframe before the first one asked for."""
+    # Where the index is coarse or missing, a seek may come down behind the frame.
+    for back_s in (0.0, _STEP_BACK_S, None):
+        with open_container(source, max_pixels) as container:
+            stream = main_stream(container, max_pixels)
+            if back_s is not None:
+                _seek(container, stream, first, back_s)
+            frames = ((f.pts, f) for f in decode(container, stream) if f.pts is not None)
+            start = next(frames, None)
+            if start is None or (start[0] > first and back_s is not None):
+                continue
+            yield start
+            yield from frames
+            return
+
+
+def _seek(container: InputContainer, stream: VideoStream, pts: int, back_s: float) -> None:
     import av
 
-    try:
-        container.seek(pts, stream=stream, backward=True)
-    except av.error.FFmpegError:
-        # Files without an index are read from their start.
-        container.seek(0)
-    packets = container.demux(stream)
-    while True:
-        try:
-            packet = next(packets, None)
-            if packet is None:
-                return
-            frames = packet.decode()
-        except av.error.InvalidDataError:
-            continue
-        except (av.error.FFmpegError, EOFError):
-            return
-        yield from frames
+    back = round(back_s / (stream.time_base or 1))
+    # A file without an index stays at its start.
+    with contextlib.suppress(av.error.FFmpegError):
+        container.seek(pts - back, stream=stream, backward=True)
 
 
 def _to_bgr(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> NDArray[np.uint8]:

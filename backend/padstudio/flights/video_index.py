@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import LimitError
-from padstudio.flights.video import MAX_PIXELS, VideoError, main_stream, open_container
+from padstudio.flights.video import MAX_PIXELS, VideoError, decode, main_stream, open_container
 
 if TYPE_CHECKING:
     from av.container import InputContainer
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 MAX_FRAMES = 2_000_000
 # Intervals between frames that differ by more than this share are a variable rate.
 _RATE_TOLERANCE = 0.02
+_SECONDS_TOLERANCE = 1.0
+_CONTAINER_UNITS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -81,12 +83,16 @@ class VideoIndex:
         Frame numbers from which decoding can start, ascending; the first is 0.
     time_base : Fraction
         Seconds.
+    is_counted : bool
+        The file does not time each frame, as AVI with B-frames: the timestamps are the frames'
+        numbers, and frames are found by counting from the start.
     """
 
     info: VideoInfo
     pts: NDArray[np.int64]
     keyframes: NDArray[np.int64]
     time_base: Fraction
+    is_counted: bool = False
 
     def times_s(self) -> NDArray[np.float64]:
         """(N,) seconds since the first frame."""
@@ -114,34 +120,66 @@ def read_index(
     with open_container(source, max_pixels) as container:
         stream = main_stream(container, max_pixels)
         packets = _Packets(container, stream, max_frames)
-        rotation = _rotation_deg(container, stream)
-        declared = stream.frames
         time_base = stream.time_base or Fraction(1, 1000)
-        if packets.has_gaps:
-            packets.from_decoder(source, max_pixels)
+        is_counted = packets.is_untimed
+        if is_counted:
+            time_base = 1 / (stream.average_rate or Fraction(25))
+            packets.pts = list(range(_count_frames(source, max_pixels)))
+            packets.is_key = [number == 0 for number in packets.pts]
         pts, keyframes = packets.ordered()
-        damage = list(packets.damage)
-        if declared > len(pts):
-            damage.append(f"{declared - len(pts)} of {declared} frames are missing")
-        intervals = np.diff(pts)
-        usual = float(np.median(intervals)) if len(intervals) else 0.0
-        duration = (float(pts[-1] - pts[0]) + usual) * float(time_base)
-        context = stream.codec_context
-        info = VideoInfo(
-            container=container.format.name,
-            codec=context.name,
-            pixel_format=context.pix_fmt or "",
-            width=context.width,
-            height=context.height,
-            rotation_deg=rotation,
-            frames=len(pts),
-            frames_declared=declared,
-            duration_s=duration,
-            fps=len(pts) / duration if duration > 0 else 0.0,
-            variable_rate=_varies(intervals, usual),
-            damage=tuple(damage),
-        )
-    return VideoIndex(info, pts, keyframes, time_base)
+        info = _describe(container, stream, pts, time_base, packets.damage)
+    return VideoIndex(info, pts, keyframes, time_base, is_counted)
+
+
+def _describe(
+    container: InputContainer,
+    stream: VideoStream,
+    pts: NDArray[np.int64],
+    time_base: Fraction,
+    damage: list[str],
+) -> VideoInfo:
+    intervals = np.diff(pts)
+    usual = float(np.median(intervals)) if len(intervals) else 0.0
+    duration_s = (float(pts[-1] - pts[0]) + usual) * float(time_base)
+    # Others count what they call frames in units of time.
+    declared = stream.frames if "mp4" in container.format.name else 0
+    if declared > len(pts):
+        damage = [*damage, f"{declared - len(pts)} of {declared} frames are missing"]
+    declared_s = _declared_s(container, stream)
+    if declared_s - duration_s > max(_SECONDS_TOLERANCE, _RATE_TOLERANCE * declared_s):
+        missing_s = declared_s - duration_s
+        damage = [*damage, f"{missing_s:.1f} s of {declared_s:.1f} s are missing"]
+    context = stream.codec_context
+    return VideoInfo(
+        container=container.format.name,
+        codec=context.name,
+        pixel_format=context.pix_fmt or "",
+        width=context.width,
+        height=context.height,
+        rotation_deg=_rotation_deg(container, stream),
+        frames=len(pts),
+        frames_declared=declared,
+        duration_s=duration_s,
+        fps=len(pts) / duration_s if duration_s > 0 else 0.0,
+        variable_rate=_varies(intervals, usual),
+        damage=tuple(damage),
+    )
+
+
+def _declared_s(container: InputContainer, stream: VideoStream) -> float:
+    """The video's length by the file's header; 0 where that does not say."""
+    if stream.duration is not None and stream.time_base is not None:
+        return float(stream.duration * stream.time_base)
+    # Sound may go on for longer than the pictures.
+    if container.duration is None or container.streams.audio:
+        return 0.0
+    return container.duration / _CONTAINER_UNITS
+
+
+def _count_frames(source: str, max_pixels: int) -> int:
+    with open_container(source, max_pixels) as container:
+        stream = main_stream(container, max_pixels)
+        return sum(1 for _ in decode(container, stream))
 
 
 class _Packets:
@@ -159,8 +197,8 @@ class _Packets:
             )
 
     @property
-    def has_gaps(self) -> bool:
-        """True where the container does not time each frame on its own, as AVI."""
+    def is_untimed(self) -> bool:
+        """True where the container does not time each frame on its own."""
         return None in self.pts or len(set(self.pts)) < len(self.pts)
 
     def _read(self, container: InputContainer, stream: VideoStream, max_frames: int) -> None:
@@ -184,19 +222,6 @@ class _Packets:
             self.damage.append(f"the file breaks off after {len(self.pts)} frames ({error})")
         if corrupt:
             self.damage.append(f"{corrupt} packets are marked as damaged")
-
-    def from_decoder(self, source: str, max_pixels: int) -> None:
-        """Take the timestamps from the decoded frames instead."""
-        import av
-
-        self.pts, self.is_key = [], []
-        with open_container(source, max_pixels) as container:
-            stream = main_stream(container, max_pixels)
-            for packet in container.demux(stream):
-                with contextlib.suppress(av.error.FFmpegError):
-                    for frame in packet.decode():
-                        self.pts.append(frame.pts)
-                        self.is_key.append(bool(frame.key_frame))
 
     def ordered(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Timestamps in ascending order, and which of them can be decoded from."""
@@ -228,8 +253,6 @@ def _rotation_deg(container: InputContainer, stream: VideoStream) -> int:
 
     with contextlib.suppress(av.error.FFmpegError):
         container.seek(0)
-        for packet in container.demux(stream):
-            with contextlib.suppress(av.error.InvalidDataError):
-                for frame in packet.decode():
-                    return round(-frame.rotation / 90) * 90 % 360
+        for frame in decode(container, stream):
+            return round(-frame.rotation / 90) * 90 % 360
     return 0

@@ -96,6 +96,7 @@ def video_part(source: Mapping[str, Any], pts: bytes) -> VideoPart:
         time_base_s=source["time_base_s"],
         start_s=source["start_s"],
         rotation_deg=source["rotation_deg"],
+        is_counted=source["is_counted"],
     )
 
 
