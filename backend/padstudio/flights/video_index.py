@@ -121,7 +121,9 @@ def read_index(
         stream = main_stream(container, max_pixels)
         packets = _Packets(container, stream, max_frames)
         time_base = stream.time_base or Fraction(1, 1000)
-        is_counted = packets.is_untimed
+        # AVI times packets in the order of decoding, which is not the frames' own.
+        reordered = container.format.name == "avi" and stream.codec_context.has_b_frames
+        is_counted = packets.is_untimed or bool(reordered)
         if is_counted:
             time_base = 1 / (stream.average_rate or Fraction(25))
             packets.pts = list(range(_count_frames(source, max_pixels)))
