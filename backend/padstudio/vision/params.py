@@ -79,6 +79,7 @@ class RefineParams:
         _within("most_borders", self.most_borders, 50, 1_000_000)
         _within("few_borders", self.few_borders, 50, self.most_borders)
         _within("least_cell_px", self.least_cell_px, 2.0, 100.0)
+        _within("align_below_px", self.align_below_px, 0.0, 100.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +135,7 @@ class DetectorParams:
     paper : PaperParams
     """
 
-    log10_false_alarm: float = -7.0
+    log10_false_alarm: float = -6.0
     prepare: PrepareParams = field(default_factory=PrepareParams)
     search: SearchParams = field(default_factory=SearchParams)
     refine: RefineParams = field(default_factory=RefineParams)
