@@ -127,8 +127,13 @@ def _way_out(spec: FieldSpec, found: Bounds) -> str:
     return f"take at most {side} x {side} cells, a larger window or more levels"
 
 
+def ruled_out(spec: FieldSpec) -> int:
+    """Windows nearer than the distance to a window, itself included."""
+    changes = range(spec.distance)
+    return sum(comb(spec.window**2, k) * (spec.levels - 1) ** k for k in changes)
+
+
 def load(spec: FieldSpec) -> float:
     """Windows that the field rules out, counted as often as they are, per window there is."""
-    size, levels = spec.window**2, spec.levels
-    near = sum(comb(size, k) * (levels - 1) ** k for k in range(spec.distance))
-    return float(spec.windows * spec.turns * near / levels**size)
+    ruled = spec.windows * spec.turns * ruled_out(spec)
+    return float(ruled / spec.levels ** (spec.window**2))

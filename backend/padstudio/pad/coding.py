@@ -16,7 +16,7 @@ from padstudio.errors import SpecError
 from padstudio.pad.bounds import check_possible, uses_table
 from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Method, Unique, Watch
 from padstudio.pad.spec import MAX_CELLS, Layer, Pad
-from padstudio.pad.verify import verify_field
+from padstudio.pad.verify import least_distance, lines_visible
 
 __all__ = ["FieldSearchError", "FieldSpec", "generate_field", "generate_pad"]
 
@@ -116,6 +116,18 @@ def generate_pad(
     FieldSearchError, SearchCancelledError
         As `generate_field`.
     """
+    seed = secrets.randbits(32) if seed is None else seed
+    spec = FieldSpec(
+        rows=rows,
+        cols=cols,
+        window=window,
+        levels=levels,
+        unique=unique,
+        distance=distance,
+        visible_lines=visible_lines,
+        method=method,
+        seed=seed,
+    )
     if not 1 <= ratio <= min(rows, cols):
         raise SpecError(
             f"ratio is {ratio}; it must be 1 (red layer only) … {min(rows, cols)} cells",
@@ -133,18 +145,6 @@ def generate_pad(
             f"{rows} x {cols} cells; a pad has at most {MAX_CELLS} a side",
             detail={"field": "rows" if rows > MAX_CELLS else "cols"},
         )
-    seed = secrets.randbits(32) if seed is None else seed
-    spec = FieldSpec(
-        rows=rows,
-        cols=cols,
-        window=window,
-        levels=levels,
-        unique=unique,
-        distance=distance,
-        visible_lines=visible_lines,
-        method=method,
-        seed=seed,
-    )
     red = generate_field(spec, budget_s=budget_s, progress=progress, cancel=cancel)
     layers = [Layer("red", cell_mm, red)]
     if ratio > 1:
@@ -176,8 +176,9 @@ def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
 
 def _prove(field: NDArray[np.uint8], spec: FieldSpec) -> None:
     """Raise AssertionError where a generator is at fault: a field must never leave unproven."""
-    found = verify_field(field, spec.window, spec.levels, distance_limit=spec.distance - 1)
     rotation = spec.unique == "rotation"
-    distance = found.min_distance_under_rotation if rotation else found.min_distance
-    if distance < spec.distance or (spec.visible_lines and not found.visible_lines):
-        raise AssertionError(f"the generator broke its own property: {found.to_dict()}")
+    found = least_distance(
+        field, spec.window, spec.levels, rotation=rotation, limit=spec.distance - 1
+    )
+    if found < spec.distance or (spec.visible_lines and not lines_visible(field, spec.window)):
+        raise AssertionError(f"the generator broke its own property: {spec}, distance {found}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from padstudio.pad.bounds import load
+from padstudio.pad.bounds import bounds, ruled_out
 from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Watch
 from padstudio.pad.jit import draw, jit
 from padstudio.pad.row_walk import start, sweep, walk
@@ -13,15 +13,15 @@ from padstudio.pad.rows import I16, I32, I64, U8, U64, board, give_back
 # Cost of a cell below which one window is left; k windows cost a k-th of it. Random costs are 0 …
 # 63 a cell.
 _SCARCE = 4096
-# Where more than this share of all windows is needed, open windows at random no longer join up to
-# open rows: at two levels a cell has two ways on, half of them closed. Cells are then biased, so
-# that the windows left over are alike in that, and join up.
-_TIGHT = 0.42
-_SCARCE_TIGHT, _BIAS_TIGHT = 64, 64
+# Near the bound, open windows at random no longer join up to open rows: at two levels a cell has
+# two ways on, half of them closed. Cells are then biased, so that the windows left over are alike
+# in that, and join up. Measured to pay for short rows only, and less at a distance.
+_SHORT_ROW = 500
+_SCARCE_TIGHT, _BIAS, _BIAS_AT_DISTANCE = 64, 64, 32
 # Dead ends at one place of a row before rows are taken back.
 _ROW_TRIES = 64
-# Cells swept between two looks at the watch.
-_CELLS = 50_000
+# Codes entered between two looks at the watch.
+_CODES = 50_000
 
 
 @jit
@@ -167,9 +167,11 @@ def search_field(spec: FieldSpec, watch: Watch) -> U8:
         Where the budget ends first, with the rows reached at best.
     """
     made = board(spec)
-    tight = spec.distance == 1 and load(spec) > _TIGHT
-    scarce, bias = (_SCARCE_TIGHT, _BIAS_TIGHT) if tight else (_SCARCE, 0)
-    fills = max(1, _CELLS // spec.cols)
+    scarce, bias = _SCARCE, 0
+    if bounds(spec).outlook == "long" and spec.cols <= _SHORT_ROW:
+        scarce, bias = _SCARCE_TIGHT, _BIAS if spec.distance == 1 else _BIAS_AT_DISTANCE
+    codes = spec.cols * spec.turns * ruled_out(spec)
+    fills = max(1, _CODES // codes)
     while True:
         row = search(*made, spec.levels, spec.distance, spec.visible_lines, scarce, bias, fills)
         if row == spec.rows:

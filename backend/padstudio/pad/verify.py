@@ -143,7 +143,7 @@ def verify_field(
         windows_possible=levels ** (window * window),
         unique=int(upright.min()) > 0,
         unique_under_rotation=int(turned.min()) > 0,
-        visible_lines=_lines_visible(field, window),
+        visible_lines=lines_visible(field, window),
         distance_limit=limit,
         min_distance=int(upright.min()),
         min_distance_under_rotation=int(turned.min()),
@@ -152,6 +152,17 @@ def verify_field(
         level_counts=tuple(np.bincount(field.ravel(), minlength=levels).tolist()),
         weakest=_weakest(turned, others, field.shape[1] - window + 1, limit),
     )
+
+
+def least_distance(
+    field: NDArray[np.uint8], window: int, levels: int, *, rotation: bool, limit: int
+) -> int:
+    """Least number of cells in which two windows of a field differ, at most ``limit + 1``.
+
+    With ``rotation`` in any turn, a window and itself turned included. Quicker than `verify_field`.
+    """
+    nearest, _ = _nearest(field, window, levels, turns=4 if rotation else 1, limit=limit)
+    return int(nearest.min())
 
 
 def _affordable_limit(windows: int, size: int, levels: int) -> int:
@@ -218,7 +229,7 @@ def _any_equal(keys: U64) -> bool:
     return bool((ordered[1:] == ordered[:-1]).any())
 
 
-def _lines_visible(field: NDArray[np.uint8], b: int) -> bool:
+def lines_visible(field: NDArray[np.uint8], b: int) -> bool:
     """Whether no b cells in line equal the b cells beside them."""
     for cells in (field, field.T):
         equal = cells[1:] == cells[:-1]
