@@ -102,7 +102,8 @@ class Pyramid:
         """The frame halved ``number`` times by area averaging, (h, w, 3) uint8."""
         while len(self._levels) <= number:
             last = self._levels[-1]
-            even = last[: last.shape[0] & ~1, : last.shape[1] & ~1]
+            # An odd last row or column is left out, unless it is all there is.
+            even = last[: max(last.shape[0] & ~1, 1), : max(last.shape[1] & ~1, 1)]
             size = (max(even.shape[1] // 2, 1), max(even.shape[0] // 2, 1))
             self._levels.append(np.asarray(cv2.resize(even, size, interpolation=cv2.INTER_AREA)))
         return self._levels[number]
