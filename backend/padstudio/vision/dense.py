@@ -12,6 +12,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.choose import Choice, choose
+from padstudio.vision.crosstalk import unmix
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
@@ -150,7 +151,10 @@ class Dense:
         denoise = recorder.run(
             "denoise", None, find_denoise, bgr, self.params.prepare.impulse_share
         )
-        return Pyramid(denoised(bgr, denoise)), camera
+        frame = denoised(bgr, denoise)
+        if self.params.prepare.crosstalk is not None:
+            frame = unmix(frame, self.params.prepare.crosstalk)
+        return Pyramid(frame), camera
 
     def _first_poses(self, sighting: Sighting) -> list[Pose]:
         """The pose of the sighted lattice; both planar answers where they are near each other."""
