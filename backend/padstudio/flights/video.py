@@ -145,6 +145,12 @@ def _unreadable(source: str, error: Exception) -> VideoError:
             "copy the file from the camera again, or repair it with a tool such as untrunc",
             code="truncated_video",
         )
+    if head[:4] in (b"\x1a\x45\xdf\xa3", b"RIFF"):
+        return VideoError(
+            "the video holds no frame that can be read: the recording was cut short before the "
+            "first one, or its beginning is damaged",
+            code="no_frames",
+        )
     return VideoError(
         f"the file is no video; upload {_READABLE} ({error.__class__.__name__})",
         code="not_a_video",
