@@ -16,6 +16,7 @@
  * @property {string | null} method
  * @property {"rotation" | "plain" | null} unique
  * @property {number | null} distance
+ * @property {[number, number]} scale  measured size of the print over its nominal size
  * @property {string} created_at
  *
  * @typedef {object} CameraSummary
@@ -127,8 +128,14 @@ export const previewPad = (spec, signal) =>
 /** @param {PadSpec} spec @returns {Promise<PadSummary>} */
 export const createPad = (spec) => request("POST", "/pads", { json: spec });
 
-/** @param {File} file @returns {Promise<PadSummary>} */
-export const importPad = (file) => request("POST", "/pads/import", { form: { file } });
+/**
+ * Import a pad file, or a table or picture of a field with what it does not say itself.
+ * @param {File} file
+ * @param {Record<string, string>} [sizes]
+ * @returns {Promise<PadSummary>}
+ */
+export const importPad = (file, sizes = {}) =>
+  request("POST", "/pads/import", { form: { ...sizes, file } });
 
 /** @returns {Promise<{items: PadSummary[], total: number}>} */
 export const listPads = () => request("GET", "/pads?limit=1000");
@@ -142,11 +149,12 @@ export const deletePad = (id) => request("DELETE", `/pads/${encodeURIComponent(i
 /**
  * Address of a pad in a file's form.
  * @param {string} id
- * @param {"json" | "pdf" | "svg" | "png"} kind
+ * @param {string} form
+ * @param {string} [query]  how it is printed
  * @returns {string}
  */
-export const padFileUrl = (id, kind) =>
-  `${ROOT}/pads/${encodeURIComponent(id)}/files/pad.${kind}`;
+export const padFileUrl = (id, form, query = "") =>
+  `${ROOT}/pads/${encodeURIComponent(id)}/files/pad.${form}${query}`;
 
 // Cameras
 

@@ -3,12 +3,17 @@
  *
  * @typedef {import("./padLogic.js").PadView} PadView
  * @typedef {import("./viewportLogic.js").Viewport} Viewport
+ * @typedef {import("./api.js").CameraSummary} CameraSummary
  *
  * @typedef {object} State
  * @property {Record<string, string>} texts  the form
  * @property {string | null} savedId  the stored pad that is shown
+ * @property {[number, number]} scale  its measured size over its nominal size
  * @property {PadView | null} pad  what is shown; the last good one while a new one grows
+ * @property {import("./planApi.js").PadBounds | null} bounds
  * @property {import("./verificationLogic.js").Verification | null} verification
+ * @property {boolean} verifying
+ * @property {number | null} pair  of the weakest windows, the one that is looked at
  * @property {boolean} stale  the form has changed since `pad` was grown
  * @property {string} fault  why the server grew no pad
  * @property {import("./specLogic.js").SpecErrors} refused  fields that the server refused
@@ -17,33 +22,40 @@
  * @property {string} view  "print" or a channel
  * @property {Viewport | null} viewport
  * @property {import("./api.js").PadSummary[]} pads
+ * @property {Record<string, string>} print  the form of the print
+ * @property {import("./printLogic.js").SheetPlan | null} plan
+ * @property {string} planFault
+ * @property {string} camera  whose heights are told
+ * @property {{stored: CameraSummary[], presets: CameraSummary[]}} cameras
+ * @property {import("./coverageLogic.js").CoverageChart | null} chart
+ * @property {import("./planApi.js").Crosstalk | null} strip
  * @property {import("./components/status.js").Status} status
  */
 
 import { download, readAddress, writeAddress } from "./address.js";
 import * as api from "./api.js";
-import { mountDownloads } from "./components/downloads.js";
-import { mountFacts } from "./components/facts.js";
-import { mountLayerStrip } from "./components/layerStrip.js";
-import { mountPadList } from "./components/padList.js";
-import { mountPadViewer } from "./components/padViewer.js";
-import { mountSpecForm } from "./components/specForm.js";
-import { mountStatus } from "./components/status.js";
-import { capacityInWords, padFacts, sheetInWords, textsOfPad } from "./designLogic.js";
+import { tableSizes, textsOfPad } from "./designLogic.js";
+import { makeDesignView } from "./designView.js";
 import { viewOfPad } from "./padLogic.js";
+import * as planApi from "./planApi.js";
+import { makePrintDesk } from "./printDesk.js";
+import { fileQuery, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
+import { makePrintReports } from "./printReports.js";
 import { parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
-import { verificationFacts } from "./verificationLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
 
-const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const address = readAddress();
 
 /** @type {State} */
 const state = {
   texts: specFromQuery(address),
   savedId: address.get("pad"),
+  scale: [1, 1],
   pad: null,
+  bounds: null,
   verification: null,
+  verifying: false,
+  pair: null,
   stale: true,
   fault: "",
   refused: {},
@@ -52,16 +64,45 @@ const state = {
   view: address.get("view") ?? "print",
   viewport: viewportFromText(address.get("at")),
   pads: [],
+  print: printFromQuery(address),
+  plan: null,
+  planFault: "",
+  camera: address.get("camera") ?? "",
+  cameras: { stored: [], presets: [] },
+  chart: null,
+  strip: null,
   status: null,
 };
 
-const form = mountSpecForm(byId("spec-form"), { onInput, onSave: () => void save() });
-const viewer = mountPadViewer(byId("viewer"), { onViewport: (viewport) => set({ viewport }) });
-const strip = mountLayerStrip(byId("layer-strip"), { onView: (view) => set({ view }) });
-const facts = mountFacts(byId("pad-facts"));
-const downloads = mountDownloads(byId("downloads"), { onDownload: (kind) => void fetchFile(kind) });
-const padList = mountPadList(byId("pad-list"), { onOpen, onDelete });
-const status = mountStatus(byId("status"));
+const view = makeDesignView({
+  onInput,
+  onSave: () => void save(),
+  onViewport: (viewport) => set({ viewport }),
+  onView: (view) => set({ view }),
+  onPair: (pair) => set({ pair, ...(pair === null ? {} : { viewport: null }) }),
+  onPrint: (print) => set({ print }),
+  onMeasured: (x, y) => void reports.takeReadings(x, y),
+  onStripPhoto: (photo) => void reports.takeStripPhoto(photo),
+  onCamera: (camera) => set({ camera }),
+  onDownload: (form) => void fetchFile(form),
+  onOpen,
+  onDelete,
+  onImport: (file) => void importFile(file),
+});
+const desk = makePrintDesk({
+  onPlan: (plan, planFault) => set({ plan, planFault }),
+  onChart: (chart) => set({ chart }),
+});
+
+const reports = makePrintReports({
+  padId: save,
+  onScale: async (scale) => {
+    set({ scale });
+    await refreshList();
+  },
+  onStrip: (strip) => set({ strip }),
+  onStatus: (status) => set({ status }),
+});
 
 /** @type {AbortController | null} */
 let running = null;
@@ -80,63 +121,55 @@ function set(change) {
 function writeState() {
   writeAddress({
     ...(state.savedId ? { pad: state.savedId } : specToQuery(state.texts)),
+    ...printToQuery(state.print),
+    camera: state.camera,
     view: state.view === "print" ? null : state.view,
     at: viewportToText(state.viewport),
   });
 }
 
 function render() {
-  const { spec, errors } = parseSpec(state.texts, form.bounds);
-  form.update({
-    texts: state.texts,
-    errors: { ...state.refused, ...errors },
-    capacity: spec ? capacityInWords(spec) : "–",
-    sheet: spec ? sheetInWords(spec) : "–",
-    saving: state.saving,
-  });
-  const shown = state.pad?.layers.some((layer) => layer.channel === state.view);
-  const view = shown ? state.view : "print";
-  const invitation = spec ? "The pad is drawn here." : "Correct the marked fields to see the pad.";
-  const message = state.fault || invitation;
-  const { pad, viewport, busy } = state;
-  viewer.update({ pad, view, viewport, busy, message });
-  strip.update({ pad, view });
-  const check = verificationFacts(state.verification);
-  facts.update(pad ? [...padFacts(pad), ...check.facts] : []);
-  byId("verification-fault").textContent = check.fault;
-  downloads.update({ enabled: Boolean(spec ?? state.savedId) && !state.saving });
-  byId("download-note").textContent = state.savedId ? "" : "A download saves the pad first.";
-  padList.update({ pads: state.pads, currentId: state.savedId });
-  status.update(state.status);
+  view.update(state, parseSpec(state.texts, view.bounds), parsePrint(state.print));
+  const { pad, camera } = state;
+  desk.want({ shape: pad && shapeOfPad(pad), options: parsePrint(state.print).options, camera });
 }
 
 /** @param {Record<string, string>} texts */
 function onInput(texts) {
-  set({ texts, savedId: null, stale: true, refused: {}, status: null });
+  set({ texts, savedId: null, scale: [1, 1], stale: true, refused: {}, status: null });
   schedulePreview();
 }
 
 function schedulePreview() {
-  const { spec } = parseSpec(state.texts, form.bounds);
+  const { spec } = parseSpec(state.texts, view.bounds);
   window.clearTimeout(timer);
   running?.abort();
   if (spec) timer = window.setTimeout(() => void preview(spec), previewDelay(spec));
-  else set({ busy: false, pad: null, fault: "" });
+  else set({ busy: false, pad: null, bounds: null, verification: null, fault: "" });
 }
 
 /** @param {import("./specLogic.js").PadSpec} spec */
 async function preview(spec) {
-  const mine = new AbortController();
-  running = mine;
+  const mine = begin();
   set({ busy: true });
   try {
+    set({ bounds: await planApi.padBounds(spec, mine.signal) });
     const answer = await api.previewPad(spec, mine.signal);
     showPad(answer.pad, answer.verification);
   } catch (error) {
     if (api.isAbort(error)) return;
-    set({ pad: null, fault: api.messageOf(error), refused: api.fieldFaults(error) });
+    const refused = api.fieldFaults(error);
+    set({ pad: null, verification: null, fault: api.messageOf(error), refused });
   }
   set({ busy: false });
+}
+
+/** @returns {AbortController} of the pad that is fetched from now on */
+function begin() {
+  window.clearTimeout(timer);
+  running?.abort();
+  running = new AbortController();
+  return running;
 }
 
 /**
@@ -147,7 +180,8 @@ function showPad(file, verification) {
   const pad = viewOfPad(file);
   const old = state.pad;
   const resized = old && (pad.widthMm !== old.widthMm || pad.heightMm !== old.heightMm);
-  set({ pad, verification, fault: "", stale: false, ...(resized ? { viewport: null } : {}) });
+  const seen = resized ? { viewport: null } : {};
+  set({ pad, verification, pair: null, fault: "", stale: false, ...seen });
 }
 
 /** @param {unknown} error */
@@ -158,7 +192,7 @@ function fail(error) {
 /** @returns {Promise<string | null>} the stored pad's id */
 async function save() {
   if (state.savedId) return state.savedId;
-  const { spec } = parseSpec(state.texts, form.bounds);
+  const { spec } = parseSpec(state.texts, view.bounds);
   if (!spec || state.saving) return null;
   set({ saving: true, status: { kind: "quiet", text: "Saving …" } });
   try {
@@ -175,26 +209,40 @@ async function save() {
   }
 }
 
-/** @param {"json" | "pdf" | "svg" | "png"} kind */
-async function fetchFile(kind) {
-  const id = await save();
-  if (id) download(api.padFileUrl(id, kind));
+/** @param {string} form */
+async function fetchFile(form) {
+  const { options } = parsePrint(state.print);
+  const id = options && (await save());
+  if (options && id) download(api.padFileUrl(id, form, fileQuery(form, options)));
 }
 
 /** @param {string} id */
 async function openPad(id) {
-  window.clearTimeout(timer);
-  running?.abort();
+  const mine = begin();
   set({ busy: true });
   try {
     const { pad, ...summary } = await api.getPad(id);
-    set({ savedId: id, texts: textsOfPad(summary, pad) });
+    if (mine.signal.aborted) return;
+    set({ savedId: id, scale: summary.scale, texts: textsOfPad(summary, pad), bounds: null });
     showPad(pad, null);
   } catch (error) {
     set({ savedId: null });
     fail(error);
   }
   set({ busy: false });
+  if (state.savedId === id) await verify(id, mine.signal);
+}
+
+/** @param {string} id @param {AbortSignal} signal */
+async function verify(id, signal) {
+  set({ verifying: true });
+  try {
+    const { verification } = await planApi.verifyPad(id, signal);
+    if (state.savedId === id) set({ verification });
+  } catch (error) {
+    if (!api.isAbort(error)) fail(error);
+  }
+  set({ verifying: false });
 }
 
 /** @param {string} id */
@@ -207,12 +255,25 @@ function onOpen(id) {
 async function onDelete(id) {
   try {
     await api.deletePad(id);
-    if (state.savedId === id) set({ savedId: null });
+    if (state.savedId === id) set({ savedId: null, scale: [1, 1] });
     set({ status: { kind: "ok", text: "Deleted the pad." } });
   } catch (error) {
     fail(error);
   }
   await refreshList();
+}
+
+/** @param {File} file */
+async function importFile(file) {
+  try {
+    const isPad = /\.json$/i.test(file.name);
+    const { id, name } = await api.importPad(file, isPad ? {} : tableSizes(state.texts));
+    await refreshList();
+    onOpen(id);
+    set({ status: { kind: "ok", text: `Imported “${name}”.` } });
+  } catch (error) {
+    fail(error);
+  }
 }
 
 async function refreshList() {
@@ -223,23 +284,17 @@ async function refreshList() {
   }
 }
 
-byId("pad-import").addEventListener("change", async (/** @type {Event} */ event) => {
-  const input = /** @type {HTMLInputElement} */ (event.target);
-  const file = input.files?.[0];
-  input.value = "";
-  if (!file) return;
+async function listCameras() {
   try {
-    const { id, name } = await api.importPad(file);
-    await refreshList();
-    onOpen(id);
-    set({ status: { kind: "ok", text: `Imported “${name}”.` } });
+    set({ cameras: await api.listCameras() });
   } catch (error) {
     fail(error);
   }
-});
+}
 
 document.addEventListener("themechange", render);
 render();
 void refreshList();
+void listCameras();
 if (state.savedId) void openPad(state.savedId);
 else schedulePreview();

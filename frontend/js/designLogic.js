@@ -7,18 +7,37 @@
 
 import { compact, number, size } from "./formatLogic.js";
 import { levelShares } from "./padLogic.js";
-import { bigNumber, capacity, DEFAULT_SPEC, sheetSize, specToTexts } from "./specLogic.js";
+import { bigNumber, DEFAULT_SPEC, sheetSize, specToTexts } from "./specLogic.js";
 
 /**
- * How much of all codes the red layer's windows use.
- * @param {PadSpec} spec
- * @returns {string} for example "0.17 % of 8 388 608"
+ * What is known of a pad before it is grown.
+ * @param {import("./planApi.js").PadBounds | null} bounds
+ * @param {number} mostCells  that a pad may have along a side
+ * @returns {{capacity: string, largest: string, outlook: string}}  capacity for example
+ *   "14 641 of 322 638"
  */
-export function capacityInWords(spec) {
-  const { log10Codes, share } = capacity(spec);
-  const percent = 100 * share;
-  const used = percent >= 0.01 ? `${compact(percent, 2)} %` : "below 0.01 %";
-  return `${used} of ${bigNumber(log10Codes)}`;
+export function boundsInWords(bounds, mostCells) {
+  if (!bounds) return { capacity: "–", largest: "–", outlook: "" };
+  const { windows_needed: needed, log10_at_most: most, largest_square: side, outlook } = bounds;
+  const isLong = outlook === "long";
+  return {
+    capacity: `${number(needed)} of ${most === null ? "none" : bigNumber(most)}`,
+    largest: side >= mostCells ? "as large as may be" : `${number(side)} × ${number(side)}`,
+    outlook: isLong ? "Near the bound: the search may take long, or not end in its time." : "",
+  };
+}
+
+/**
+ * What goes with a table or picture of a field, which does not say it itself.
+ * @param {Record<string, string>} texts  the form's
+ * @returns {Record<string, string>}
+ */
+export function tableSizes(texts) {
+  return Object.fromEntries(
+    ["window", "cell_mm", "ratio", "quiet_mm"]
+      .filter((key) => texts[key]?.trim() && Number.isFinite(Number(texts[key])))
+      .map((key) => [key, texts[key].trim()]),
+  );
 }
 
 /** @param {PadSpec} spec @returns {string} */
@@ -66,7 +85,8 @@ export function textsOfPad(summary, file) {
     ratio: String(others.length ? Math.round(others[0].cell_mm / fine.cell_mm) : 1),
     seed: summary.seed === null ? "" : String(summary.seed),
     unique: summary.unique ?? DEFAULT_SPEC.unique,
-    distance: String(summary.distance ?? DEFAULT_SPEC.distance),
+    // Of an unknown distance no more is claimed than that windows differ.
+    distance: String(summary.distance ?? 1),
     method: summary.method === "growth" ? "growth" : DEFAULT_SPEC.method,
   };
 }

@@ -63,7 +63,6 @@
 
 import { request } from "./api.js";
 
-
 const path = (/** @type {string} */ id, rest = "") => `/flights/${encodeURIComponent(id)}${rest}`;
 
 /** @param {Record<string, string | number | null | undefined>} values */
@@ -117,25 +116,14 @@ export const getFigures = (id) => request("GET", path(id, "/figures"));
  * A page of frames, in the order of their numbers.
  * @param {string} id
  * @param {FrameFilter & {after?: number, before?: number, limit: number}} wanted
+ * @param {AbortSignal} [signal]
  * @returns {Promise<{items: FrameRecord[], next_after: number | null}>}
  */
-export const listFrames = (id, wanted) => request("GET", path(id, `/frames${query(wanted)}`));
+export const listFrames = (id, wanted, signal) =>
+  request("GET", path(id, `/frames${query(wanted)}`), { signal });
 
-/** @param {string} id @param {number} frame @param {AbortSignal} signal @returns {Promise<FrameRecord>} */
-export const getFrame = (id, frame, signal) => request("GET", path(id, `/frames/${frame}`), { signal });
-
-/** @param {string} id @param {number} frame @param {AbortSignal} signal @returns {Promise<FrameStages>} */
-export const getStages = (id, frame, signal) =>
-  request("GET", path(id, `/frames/${frame}/stages`), { signal });
-
-/**
- * Address of a picture of a frame.
- * @param {string} id
- * @param {number} frame
- * @param {"result" | "frame"} name
- */
-export const framePictureUrl = (id, frame, name) =>
-  `/api/v1${path(id, `/frames/${frame}/pictures/${name}.webp`)}`;
+/** @param {string} id @param {number} frame @returns {Promise<FrameStages>} */
+export const getStages = (id, frame) => request("GET", path(id, `/frames/${frame}/stages`));
 
 /** @param {string} id @param {string} form */
 export const exportUrl = (id, form) => `/api/v1${path(id, `/export/${form}`)}`;

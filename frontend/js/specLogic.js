@@ -40,7 +40,7 @@ export const DEFAULT_SPEC = Object.freeze({
   cell_mm: 10,
   quiet_mm: 0,
   unique: "rotation",
-  distance: 1,
+  distance: 3,
   visible_lines: false,
   method: "auto",
   seed: 1,

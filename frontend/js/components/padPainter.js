@@ -10,6 +10,10 @@
  * @property {number} row  of the cell
  * @property {number} col
  * @property {{row: number, col: number}} window  its top-left cell
+ *
+ * @typedef {object} PairMark  two windows that are nearly alike
+ * @property {LayerView} layer
+ * @property {{row: number, col: number}[]} windows  their top-left cells
  */
 
 import { layerPixels, layersOfView } from "../padLogic.js";
@@ -17,6 +21,7 @@ import { toView } from "../viewportLogic.js";
 
 const GRID_FROM_PX = 10;
 const DIGITS_FROM_PX = 26;
+const LEAST_MARK_PX = 16;
 
 /** @type {WeakMap<LayerView, HTMLCanvasElement>} */
 const sprites = new WeakMap();
@@ -63,8 +68,9 @@ export function prepareCanvas(canvas) {
  * @param {string} view  "print" or a channel
  * @param {Viewport} viewport  in millimetres of the page
  * @param {Mark | null} [mark]
+ * @param {PairMark | null} [pair]
  */
-export function paintPad(canvas, pad, view, viewport, mark = null) {
+export function paintPad(canvas, pad, view, viewport, mark = null, pair = null) {
   const { context, width, height, ratio } = prepareCanvas(canvas);
   /** @type {(x: number, y: number, w: number, h: number) => [number, number, number, number]} */
   const box = (x, y, w, h) => {
@@ -96,6 +102,7 @@ export function paintPad(canvas, pad, view, viewport, mark = null) {
   for (const layer of isGridLegible ? layers : []) {
     paintGrid(screen, pad, layer, viewport, layers.length === 1);
   }
+  if (pair) paintPair(screen, pad, pair);
   if (mark) paintMark(screen, pad, mark);
 }
 
@@ -156,14 +163,40 @@ function paintMark({ context, box, ratio }, pad, mark) {
     cellBox(box, pad, mark.layer, mark.window.row, mark.window.col, pad.window),
     cellBox(box, pad, mark.layer, mark.row, mark.col, 1),
   ];
-  for (const outline of outlines) {
-    context.strokeStyle = "#000";
-    context.lineWidth = 4 * ratio;
-    context.strokeRect(...outline);
-    context.strokeStyle = "#ffe14d";
-    context.lineWidth = 2 * ratio;
-    context.strokeRect(...outline);
-  }
+  for (const outline of outlines) strokeTwice(context, outline, 2 * ratio);
+}
+
+/**
+ * Two windows, however small they are; the second dashed.
+ * @param {Screen} screen
+ * @param {PadView} pad
+ * @param {PairMark} pair
+ */
+function paintPair({ context, box, ratio }, pad, { layer, windows }) {
+  windows.forEach(({ row, col }, place) => {
+    const [x, y, w, h] = cellBox(box, pad, layer, row, col, pad.window);
+    const grow = Math.max(0, LEAST_MARK_PX * ratio - w) / 2;
+    const dash = place ? [5 * ratio, 4 * ratio] : [];
+    strokeTwice(context, [x - grow, y - grow, w + 2 * grow, h + 2 * grow], 3 * ratio, dash);
+  });
+}
+
+/**
+ * Yellow on black, which stands out from every colour of a print.
+ * @param {CanvasRenderingContext2D} context
+ * @param {[number, number, number, number]} outline
+ * @param {number} width
+ * @param {number[]} [dash]
+ */
+function strokeTwice(context, outline, width, dash = []) {
+  context.strokeStyle = "#000";
+  context.lineWidth = 2 * width;
+  context.strokeRect(...outline);
+  context.setLineDash(dash);
+  context.strokeStyle = "#ffe14d";
+  context.lineWidth = width;
+  context.strokeRect(...outline);
+  context.setLineDash([]);
 }
 
 /**

@@ -10,6 +10,8 @@
  * @property {Viewport | null} viewport  null: the whole page
  * @property {boolean} busy
  * @property {string} message  shown where there is no pad
+ * @property {{channel: string, windows: {row: number, col: number}[]} | null} pair  two windows to
+ *   show, nearly alike
  */
 
 import { compact } from "../formatLogic.js";
@@ -32,7 +34,7 @@ export function mountPadViewer(root, { onViewport }) {
     /** @type {HTMLElement} */ (root.querySelector(`[data-ref="${name}"]`));
   const canvas = /** @type {HTMLCanvasElement} */ (find("canvas"));
   /** @type {PadViewerState} */
-  let state = { pad: null, view: "print", viewport: null, busy: false, message: "" };
+  let state = { pad: null, view: "print", viewport: null, busy: false, message: "", pair: null };
   /** @type {{x: number, y: number} | null} */
   let pointer = null;
 
@@ -91,7 +93,7 @@ export function mountPadViewer(root, { onViewport }) {
     if (!state.pad || !viewport || !canvas.clientWidth) return;
     const found = mark();
     const outline = found && { ...found.cell, window: found.window };
-    paintPad(canvas, state.pad, state.view, viewport, outline);
+    paintPad(canvas, state.pad, state.view, viewport, outline, pairMark(state));
     find("readout").textContent = found
       ? placeInWords(state.pad, state.view, found.place, found.cell, found.window)
       : "Point at a cell, or focus the picture and use the arrow keys.";
@@ -132,4 +134,15 @@ export function mountPadViewer(root, { onViewport }) {
       paint();
     },
   };
+}
+
+/**
+ * The two windows on the layer that they are of, where that is shown.
+ * @param {PadViewerState} state
+ * @returns {import("./padPainter.js").PairMark | null}
+ */
+function pairMark({ pad, view, pair }) {
+  if (!pad || !pair) return null;
+  const layer = layersOfView(pad, view).find((each) => each.channel === pair.channel);
+  return layer ? { layer, windows: pair.windows } : null;
 }

@@ -35,16 +35,16 @@ export function mountSpecForm(form, { onInput, onSave }) {
   return {
     bounds: boundsOf(fields),
     /**
-     * @param {{texts: Record<string, string>, errors: SpecErrors, capacity: string,
-     *   sheet: string, saving: boolean}} state
+     * @param {{texts: Record<string, string>, errors: SpecErrors, saving: boolean,
+     *   words: Record<"sheet" | "capacity" | "largest" | "outlook", string>}} state
      */
-    update({ texts, errors, capacity, sheet, saving }) {
+    update({ texts, errors, words, saving }) {
       for (const field of fields) {
         const text = texts[field.name] ?? "";
         if (field.value !== text) field.value = text;
         showFault(field, errors[/** @type {keyof SpecErrors} */ (field.name)] ?? "");
       }
-      for (const [name, text] of Object.entries({ capacity, sheet })) {
+      for (const [name, text] of Object.entries(words)) {
         const place = /** @type {HTMLElement} */ (form.querySelector(`[data-ref=${name}]`));
         if (place.textContent !== text) place.textContent = text;
       }

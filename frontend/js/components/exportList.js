@@ -1,0 +1,28 @@
+/** Links that download a flight's poses, one a form. */
+
+import { EXPORTS } from "../flightLogic.js";
+import { exportUrl } from "../flightsApi.js";
+
+/** @param {HTMLElement} root @param {string} id  of the flight */
+export function mountExportList(root, id) {
+  const list = /** @type {HTMLElement} */ (root.querySelector("[data-ref=list]"));
+  list.replaceChildren(
+    ...EXPORTS.map(({ form, name, about }) => {
+      const link = document.createElement("a");
+      link.className = "export-link";
+      link.href = exportUrl(id, form);
+      link.download = "";
+      const note = Object.assign(document.createElement("span"), { className: "quiet", textContent: about });
+      link.append(Object.assign(document.createElement("span"), { textContent: name }), " ", note);
+      const item = document.createElement("li");
+      item.append(link);
+      return item;
+    }),
+  );
+  return {
+    /** @param {{enabled: boolean}} state */
+    update({ enabled }) {
+      root.hidden = !enabled;
+    },
+  };
+}

@@ -1,0 +1,212 @@
+/**
+ * Where a pad reads: charts of height against tilt, in figures that a picture only has to draw.
+ *
+ * @typedef {"dense" | "paper"} Method
+ *
+ * @typedef {object} Span  heights at which a layer reads at one tilt; null where at none
+ * @property {string} channel
+ * @property {number} tilt_deg
+ * @property {number | null} low_mm
+ * @property {number | null} high_mm
+ *
+ * @typedef {object} DeadBand
+ * @property {number} tilt_deg
+ * @property {number} low_mm
+ * @property {number} high_mm
+ * @property {string} message
+ *
+ * @typedef {object} MethodCoverage
+ * @property {Method} method
+ * @property {number} cells_across
+ * @property {number} cell_px
+ * @property {Span[]} spans
+ * @property {DeadBand[]} dead_bands
+ *
+ * @typedef {{camera: string, methods: MethodCoverage[]}} CoverageChart
+ *
+ * @typedef {object} Frame  of a chart, in its own units
+ * @property {number} width
+ * @property {number} height
+ * @property {number} left  room for the axis' figures
+ * @property {number} bottom
+ * @property {number} lowMm
+ * @property {number} highMm
+ * @property {number} mostDeg
+ */
+
+import { length } from "./formatLogic.js";
+
+/** Tilts of the chart; the axis ends where lenses see the horizon. */
+export const TILTS_DEG = Array.from({ length: 31 }, (_, place) => 2.5 * place);
+
+/**
+ * @param {CoverageChart | null} chart
+ * @param {string} method
+ * @returns {MethodCoverage | null}
+ */
+export const ofMethod = (chart, method) =>
+  chart?.methods.find((each) => each.method === method) ?? null;
+
+/** @param {MethodCoverage} coverage @returns {string[]} the finest layer first */
+export const channelsOf = (coverage) => [...new Set(coverage.spans.map((span) => span.channel))];
+
+/**
+ * Heights between which a chart shows everything, at whole steps of 1, 2, 5.
+ * @param {MethodCoverage[]} methods
+ * @returns {{lowMm: number, highMm: number}}
+ */
+export function heightRange(methods) {
+  const spans = methods.flatMap((each) => each.spans).filter((span) => span.low_mm !== null);
+  if (!spans.length) return { lowMm: 10, highMm: 10_000 };
+  const low = Math.min(...spans.map((span) => Number(span.low_mm)));
+  const high = Math.max(...spans.map((span) => Number(span.high_mm)));
+  const ticks = logTicks(low / 10, high * 10);
+  return {
+    lowMm: ticks.filter((tick) => tick <= low).at(-1) ?? low,
+    highMm: ticks.find((tick) => tick >= high) ?? high,
+  };
+}
+
+/**
+ * 1, 2 and 5 times powers of ten within a range.
+ * @param {number} low
+ * @param {number} high
+ * @returns {number[]}
+ */
+export function logTicks(low, high) {
+  const ticks = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
+    for (const digit of [1, 2, 5]) {
+      // Powers of ten below one are not exact.
+      const tick = Number((digit * 10 ** power).toPrecision(1));
+      if (tick >= low && tick <= high) ticks.push(tick);
+    }
+  }
+  return ticks;
+}
+
+/**
+ * @param {Frame} frame
+ * @param {number} heightMm
+ * @returns {number} y of the chart; heights beyond it lie on its border
+ */
+export function yOf({ height, bottom, lowMm, highMm }, heightMm) {
+  const share = Math.log(heightMm / lowMm) / Math.log(highMm / lowMm);
+  return (height - bottom) * (1 - Math.min(1, Math.max(0, share)));
+}
+
+/** @param {Frame} frame @param {number} tiltDeg @returns {number} x of the chart */
+export const xOf = ({ width, left, mostDeg }, tiltDeg) => left + ((width - left) * tiltDeg) / mostDeg;
+
+/**
+ * @param {Frame} frame
+ * @param {number} x
+ * @param {number} y
+ * @returns {{tiltDeg: number, heightMm: number}} of a place, kept within the chart
+ */
+export function placeOf(frame, x, y) {
+  const within = (/** @type {number} */ share) => Math.min(1, Math.max(0, share));
+  const across = within((x - frame.left) / (frame.width - frame.left));
+  const up = within(1 - y / (frame.height - frame.bottom));
+  return {
+    tiltDeg: across * frame.mostDeg,
+    heightMm: frame.lowMm * (frame.highMm / frame.lowMm) ** up,
+  };
+}
+
+/**
+ * The outline of one layer's heights, as an SVG path; empty where it reads nowhere.
+ * @param {Frame} frame
+ * @param {{tilt_deg: number, low_mm: number | null, high_mm: number | null}[]} spans  by tilt
+ * @returns {string}
+ */
+export function areaPath(frame, spans) {
+  const parts = [];
+  /** @type {typeof spans} */
+  let run = [];
+  for (const span of [...spans, { tilt_deg: 0, low_mm: null, high_mm: null }]) {
+    if (span.low_mm !== null) {
+      run.push(span);
+      continue;
+    }
+    if (run.length) parts.push(outline(frame, run));
+    run = [];
+  }
+  return parts.join(" ");
+}
+
+/** @param {Frame} frame @param {{tilt_deg: number, low_mm: number | null, high_mm: number | null}[]} run */
+function outline(frame, run) {
+  const point = (/** @type {number} */ tilt, /** @type {number | null} */ mm) =>
+    `${xOf(frame, tilt).toFixed(1)} ${yOf(frame, Number(mm)).toFixed(1)}`;
+  const up = run.map((span) => point(span.tilt_deg, span.high_mm));
+  const down = run.map((span) => point(span.tilt_deg, span.low_mm)).reverse();
+  return `M${[...up, ...down].join(" L")} Z`;
+}
+
+/**
+ * The dead band as spans, one a tilt, where it is at its widest.
+ * @param {MethodCoverage} coverage
+ * @returns {DeadBand[]}
+ */
+export function widestBands(coverage) {
+  /** @type {Map<number, DeadBand>} */
+  const widest = new Map();
+  for (const band of coverage.dead_bands) {
+    const old = widest.get(band.tilt_deg);
+    const width = (/** @type {DeadBand} */ each) => each.high_mm / each.low_mm;
+    if (!old || width(band) > width(old)) widest.set(band.tilt_deg, band);
+  }
+  return [...widest.values()].sort((a, b) => a.tilt_deg - b.tilt_deg);
+}
+
+/**
+ * Heights that each layer reads from straight above.
+ * @param {MethodCoverage} coverage
+ * @returns {[string, string][]}
+ */
+export function heightFacts(coverage) {
+  return coverage.spans
+    .filter((span) => span.tilt_deg === 0)
+    .map((span) => [`${capital(span.channel)} layer`, spanInWords(span)]);
+}
+
+/** @param {Span} span @returns {string} */
+export const spanInWords = ({ low_mm: low, high_mm: high }) =>
+  low === null || high === null ? "reads nowhere" : `${length(low)} … ${length(high)}`;
+
+/**
+ * What reads at a place of the chart.
+ * @param {MethodCoverage} coverage
+ * @param {{tiltDeg: number, heightMm: number}} place
+ * @returns {string}
+ */
+export function placeInWords(coverage, { tiltDeg, heightMm }) {
+  const readers = channelsOf(coverage).filter((channel) => {
+    const spans = coverage.spans.filter((span) => span.channel === channel);
+    const near = spans.reduce((a, b) =>
+      Math.abs(b.tilt_deg - tiltDeg) < Math.abs(a.tilt_deg - tiltDeg) ? b : a,
+    );
+    return near.low_mm !== null && heightMm >= near.low_mm && heightMm <= Number(near.high_mm);
+  });
+  const what = readers.length ? `${readers.join(" and ")} read${readers.length > 1 ? "" : "s"}` : "nothing reads";
+  return `${length(heightMm)}, tilt ${tiltDeg.toFixed(0)}°: ${what}`;
+}
+
+/** @param {string} word */
+export const capital = (word) => word.charAt(0).toUpperCase() + word.slice(1);
+
+/**
+ * Even ratios of height, for a map of simulated frames.
+ * @param {number} lowMm
+ * @param {number} highMm
+ * @param {number} count
+ * @returns {number[]} from the highest down
+ */
+export function heightSteps(lowMm, highMm, count) {
+  if (count < 2) return [Math.round(highMm)];
+  return Array.from({ length: count }, (_, place) => {
+    const height = highMm * (lowMm / highMm) ** (place / (count - 1));
+    return Number(height.toPrecision(3));
+  });
+}

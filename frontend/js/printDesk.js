@@ -1,0 +1,76 @@
+/**
+ * Asks the server how a pad lies on sheets and where a camera reads it, whenever that changed.
+ *
+ * @typedef {import("./printLogic.js").PadShape} PadShape
+ * @typedef {import("./printLogic.js").SheetPlan} SheetPlan
+ * @typedef {import("./coverageLogic.js").CoverageChart} CoverageChart
+ *
+ * @typedef {object} Wish
+ * @property {PadShape | null} shape
+ * @property {Record<string, string> | null} options  of the print
+ * @property {string} camera  id, or empty
+ *
+ * @typedef {object} PrintDeskEvents
+ * @property {(plan: SheetPlan | null, fault: string) => void} onPlan
+ * @property {(chart: CoverageChart | null) => void} onChart
+ */
+
+import { isAbort, messageOf } from "./api.js";
+import { TILTS_DEG } from "./coverageLogic.js";
+import { planCoverage, planSheets } from "./planApi.js";
+import { sheetOptions } from "./printLogic.js";
+
+const DELAY_MS = 150;
+
+/** @param {PrintDeskEvents} events */
+export function makePrintDesk({ onPlan, onChart }) {
+  const sheets = makeAsker(onPlan);
+  const charts = makeAsker((/** @type {CoverageChart | null} */ chart) => onChart(chart));
+  return {
+    /** @param {Wish} wish  an unchanged one asks nothing */
+    want({ shape, options, camera }) {
+      const chosen = options && sheetOptions(options);
+      sheets.ask(shape && chosen ? JSON.stringify([shape, chosen]) : "", (signal) =>
+        planSheets(/** @type {PadShape} */ (shape), chosen ?? {}, signal),
+      );
+      charts.ask(shape && camera ? JSON.stringify([shape, camera]) : "", (signal) =>
+        planCoverage(/** @type {PadShape} */ (shape), camera, TILTS_DEG, signal),
+      );
+    },
+  };
+}
+
+/**
+ * Keeps one question under way; a new one takes its place.
+ * @template T
+ * @param {(answer: T | null, fault: string) => void} onAnswer
+ */
+function makeAsker(onAnswer) {
+  let asked = "";
+  let timer = 0;
+  /** @type {AbortController | null} */
+  let running = null;
+
+  /** @param {(signal: AbortSignal) => Promise<T>} question */
+  async function send(question) {
+    running = new AbortController();
+    try {
+      onAnswer(await question(running.signal), "");
+    } catch (error) {
+      if (!isAbort(error)) onAnswer(null, messageOf(error));
+    }
+  }
+
+  return {
+    /** @param {string} key  what is asked; empty for nothing @param {(signal: AbortSignal) => Promise<T>} question */
+    ask(key, question) {
+      if (key === asked) return;
+      const isFirst = !asked;
+      asked = key;
+      window.clearTimeout(timer);
+      running?.abort();
+      if (!key) window.setTimeout(() => onAnswer(null, ""), 0);
+      else timer = window.setTimeout(() => void send(question), isFirst ? 0 : DELAY_MS);
+    },
+  };
+}
