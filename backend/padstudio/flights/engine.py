@@ -178,6 +178,8 @@ class Engine:
             security=security,
             dashboard_address=None,
             worker_dashboard_address=None,
+            # The scheduler serves its state in any case; a free port, as two studios may run.
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             silence_logs=logging.ERROR,
         )
         self._client = Client(self._cluster, security=security, set_as_default=False)
