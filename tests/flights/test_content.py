@@ -42,6 +42,7 @@ def _video(path: Path, codec: str) -> bytes:
         (".mkv", "libx264", content.MKV),
         (".avi", "mpeg4", content.AVI),
         (".webm", "libvpx", content.WEBM),
+        (".ts", "mpeg2video", content.MPEGTS),
     ],
 )
 def test_videos_as_a_writer_makes_them(

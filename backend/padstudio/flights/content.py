@@ -14,8 +14,8 @@ Kind = Literal["video", "still", "stills", "telemetry"]
 HEAD_BYTES = 4096
 
 READABLE = (
-    "send a video (MP4, MOV, MKV, AVI, WebM), a still (JPEG, PNG, WebP, TIFF, BMP), a zip of "
-    "stills or an SRT telemetry file"
+    "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS), a still (JPEG, PNG, WebP, TIFF, BMP), a zip "
+    "of stills or an SRT telemetry file"
 )
 
 
@@ -49,6 +49,7 @@ MOV = Content("video", "video/quicktime", ".mov")
 MKV = Content("video", "video/matroska", ".mkv")
 WEBM = Content("video", "video/webm", ".webm")
 AVI = Content("video", "video/vnd.avi", ".avi")
+MPEGTS = Content("video", "video/mp2t", ".ts")
 JPEG = Content("still", "image/jpeg", ".jpg")
 PNG = Content("still", "image/png", ".png")
 WEBP = Content("still", "image/webp", ".webp")
@@ -108,6 +109,10 @@ def _by_signature(head: bytes) -> Content | None:
         return _matroska(head)
     if head[:2] == b"BM" and int.from_bytes(head[14:18], "little") in _BMP_HEADERS:
         return BMP
+    # Packets of 188 bytes, each begun by one byte (ISO/IEC 13818-1).
+    starts = head[:753:188]
+    if len(starts) >= 3 and set(starts) == {0x47}:
+        return MPEGTS
     if head[:4] == b"PK\x05\x06":
         raise ContentError("the zip is empty; put the stills into it", code="empty_zip")
     return None

@@ -24,8 +24,10 @@ from padstudio.web import (
     coverage,
     detect,
     errors,
+    exports,
     flight_figures,
     flight_pictures,
+    flight_previews,
     flights,
     health,
     pads,
@@ -116,7 +118,7 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.add_middleware(Guard, settings=settings)
     for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage, simulate):
         app.include_router(resource.router, prefix=API)
-    for resource in (flights, flight_figures, flight_pictures):
+    for resource in (flights, flight_figures, flight_pictures, flight_previews, exports):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

@@ -1,0 +1,144 @@
+"""A flight's poses in every form, over HTTP."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import time
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from web_server import running, settings_for
+
+FOOTAGE = Path(__file__).parents[1] / "footage"
+FRAMES = 4
+Refused = Callable[..., dict[str, Any]]
+
+
+def _upload(server: httpx.Client, path: Path) -> str:
+    data = path.read_bytes()
+    headers = {
+        "Tus-Resumable": "1.0.0",
+        "Upload-Length": str(len(data)),
+        "Content-Type": "application/offset+octet-stream",
+    }
+    answer = server.post("/api/v1/uploads", headers=headers, content=data)
+    return str(answer.raise_for_status().json()["id"])
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    with running(
+        settings_for(tmp_path_factory.mktemp("data"), max_image_pixels=5_000_000)
+    ) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def flight(server: httpx.Client) -> str:
+    """The address of a flight of a few frames."""
+    files = {"pads/import": "pad_a.json", "cameras": "camera_drone_2k7.yaml"}
+    pad, camera = (
+        server.post(f"/api/v1/{where}", files={"file": (name, (FOOTAGE / name).read_bytes())})
+        .raise_for_status()
+        .json()["id"]
+        for where, name in files.items()
+    )
+    order = {
+        "uploads": [_upload(server, FOOTAGE / "flights" / "landing.mp4")],
+        "pad": pad,
+        "camera": camera,
+        "end_frame": FRAMES,
+        "name": "die Landung",
+    }
+    made = server.post("/api/v1/flights", json=order)
+    address = str(made.raise_for_status().headers["location"])
+    while (state := server.get(address).json())["state"] in ("queued", "running"):
+        time.sleep(0.1)
+    assert (state["state"], state["frames_ok"]) == ("done", FRAMES), state
+    return address
+
+
+@pytest.fixture(scope="module")
+def frames(server: httpx.Client, flight: str) -> list[dict[str, Any]]:
+    return list(server.get(f"{flight}/frames").json()["items"])
+
+
+def test_tables(server: httpx.Client, flight: str, frames: list[dict[str, Any]]) -> None:
+    answer = server.get(f"{flight}/export/csv")
+    assert "die%20Landung.csv" in answer.headers["content-disposition"]
+    assert answer.headers["content-type"].startswith("text/csv")
+    rows = list(csv.DictReader(io.StringIO(answer.text, newline="")))
+    assert [float(row["camera_in_pad_z_mm"]) for row in rows] == [
+        frame["position_mm"][2] for frame in frames
+    ]
+    lines = server.get(f"{flight}/export/jsonl").text.splitlines()
+    assert [json.loads(line)["position_mm"] for line in lines] == [
+        frame["position_mm"] for frame in frames
+    ]
+
+
+def test_trajectories(server: httpx.Client, flight: str, frames: list[dict[str, Any]]) -> None:
+    answer = server.get(f"{flight}/export/tum", params={"start_unix_s": 1e9})
+    table = np.loadtxt(io.StringIO(answer.text))
+    assert table[:, 0] == pytest.approx([1e9 + frame["time_s"] for frame in frames], abs=1e-6)
+    assert table[:, 1:4] * 1000 == pytest.approx(
+        np.array([frame["position_mm"] for frame in frames]), abs=1e-5
+    )
+
+
+def test_models(server: httpx.Client, flight: str) -> None:
+    data = server.get(f"{flight}/export/colmap").content
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert "1 PINHOLE 2720 1530" in archive.read("cameras.txt").decode()
+        assert "landing" not in archive.read("images.txt").decode().partition("\n1 ")[0]
+
+
+@pytest.mark.parametrize("images", [False, True])
+def test_logs_with_and_without_images(server: httpx.Client, flight: str, images: bool) -> None:
+    data = server.get(f"{flight}/export/mcap", params={"images": images}).content
+    reader = make_reader(io.BytesIO(data))
+    topics = [channel.topic for _, channel, _ in reader.iter_messages()]
+    assert topics.count("/camera/pose") == FRAMES
+    assert topics.count("/camera/image") == (FRAMES if images else 0)
+
+
+def test_landing_targets(server: httpx.Client, flight: str, refused: Refused) -> None:
+    address = f"{flight}/export/ardupilot"
+    ahead = {"forward_m": 0.1, "turned_deg": 90}
+    assert server.get(address).content != server.get(address, params=ahead).content
+    refused(server.get(f"{flight}/export/px4"), 422, "vehicle_pose_required")
+    track = "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n-0.1,0,0,-1,1,0,0,0\n0.3,0,0,-1,1,0,0,0\n"
+    found = server.post(f"{flight}/export/px4", files={"vehicle": ("v.csv", track)})
+    # A message of text and one for each frame.
+    assert found.content.count(b"\xfd") >= FRAMES + 1
+
+
+@pytest.mark.parametrize("track", [b"\xff\xfe\x00", b"time_s\n0\n"])
+def test_ill_formed_tracks(
+    server: httpx.Client, flight: str, refused: Refused, track: bytes
+) -> None:
+    answer = server.post(f"{flight}/export/px4", files={"vehicle": ("v.csv", track)})
+    refused(answer, 422, "invalid_vehicle_track")
+
+
+def test_what_there_is_not(server: httpx.Client, flight: str, refused: Refused) -> None:
+    refused(server.get(f"{flight}/export/kml"), 422, "invalid_request")
+    refused(server.get("/api/v1/flights/none/export/csv"), 404, "not_found")
+    params = {"start_unix_s": "nan"}
+    refused(server.get(f"{flight}/export/tum", params=params), 422, "invalid_request")
+
+
+def test_an_upload_that_a_flight_needs_stays(
+    server: httpx.Client, flight: str, refused: Refused
+) -> None:
+    upload = server.get(flight).json()["sources"][0]["upload"]
+    refused(server.delete(f"/api/v1/uploads/{upload}"), 409, "upload_in_use")
+    assert server.get(f"/api/v1/uploads/{upload}").json()["complete"] is True
