@@ -36,7 +36,7 @@ import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
 import { isOpen } from "./flightLogic.js";
 import * as flightsApi from "./flightsApi.js";
-import { withRecord, withStages } from "./frameLogic.js";
+import { withPreview, withRecord, withStages } from "./frameLogic.js";
 import { makeFrameLoader } from "./frameLoader.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
@@ -104,10 +104,11 @@ const view = makeFlightView(id, {
 const data = makeFlightData(id, { state: () => state, set, columns: () => view.columns() });
 const loader = makeFrameLoader(id, {
   onRecord: (frame, record) => set(withRecord(state, frame, record)),
-  onStages: (frame, stages, size) => {
-    set(withStages(state, frame, stages, size));
+  onPreview: (_, url, size) => {
+    set(withPreview(state, url, size));
     if (state.playing) window.setTimeout(play, PLAY_MS);
   },
+  onStages: (frame, stages, size) => set(withStages(state, frame, stages, size)),
   onFault: (frame, error) => {
     set({ stale: false, playing: false, status: { kind: "bad", text: `Frame ${frame}: ${api.messageOf(error)}` } });
   },
@@ -175,7 +176,7 @@ async function findFailure(by) {
   }
 }
 
-/** One frame on, as soon as the one before is shown; the server prepares the next meanwhile. */
+/** One frame on, as soon as the one before is shown; the next one's picture comes meanwhile. */
 function play() {
   const all = whole();
   if (!state.playing || !all || state.frame === null) return;
@@ -184,7 +185,7 @@ function play() {
     return;
   }
   step(1);
-  if (state.frame < all.last) void loader.prepare(state.frame + all.stride);
+  if (state.frame < all.last) loader.prepare(state.frame + all.stride);
 }
 
 async function copyRecord() {

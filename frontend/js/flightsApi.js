@@ -122,6 +122,13 @@ export const getFigures = (id) => request("GET", path(id, "/figures"));
 export const listFrames = (id, wanted, signal) =>
   request("GET", path(id, `/frames${query(wanted)}`), { signal });
 
+/**
+ * Address of a frame with its pose drawn over it, which takes no reading.
+ * @param {string} id
+ * @param {number} frame
+ */
+export const previewUrl = (id, frame) => `/api/v1${path(id, `/frames/${frame}/preview.jpg`)}`;
+
 /** @param {string} id @param {number} frame @returns {Promise<FrameStages>} */
 export const getStages = (id, frame) => request("GET", path(id, `/frames/${frame}/stages`));
 

@@ -1,31 +1,36 @@
 /**
- * Fetches the frame that is looked at: its result at once, its stages as soon as the user rests.
+ * Fetches the frame that is looked at: its result and a picture at once, its stages as soon as the
+ * user rests.
  *
  * @typedef {import("./flightsApi.js").FrameRecord} FrameRecord
  * @typedef {import("./flightsApi.js").FrameStages} FrameStages
  *
+ * @typedef {{width: number, height: number}} Size
+ *
  * @typedef {object} Events
  * @property {(frame: number, record: FrameRecord | null) => void} onRecord  null: not read yet
- * @property {(frame: number, stages: FrameStages, size: {width: number, height: number}) => void} onStages
+ * @property {(frame: number, url: string, size: Size) => void} onPreview
+ * @property {(frame: number, stages: FrameStages, size: Size) => void} onStages
  * @property {(frame: number, error: unknown) => void} onFault
  */
 
 import { isAbort } from "./api.js";
-import { getStages, listFrames } from "./flightsApi.js";
+import { getStages, listFrames, previewUrl } from "./flightsApi.js";
 
 /** Stages take the server a while: it is not asked for frames that are only passed. */
-const REST_MS = 120;
+const REST_MS = 400;
 
 /**
  * @param {string} id  of the flight
  * @param {Events} events
  */
-export function makeFrameLoader(id, { onRecord, onStages, onFault }) {
+export function makeFrameLoader(id, { onRecord, onPreview, onStages, onFault }) {
   /** @type {number | null} */
   let wanted = null;
   let control = new AbortController();
   let timer = 0;
   let busy = false;
+  let previewing = false;
 
   /** @param {number} frame */
   async function fetchRecord(frame) {
@@ -36,11 +41,27 @@ export function makeFrameLoader(id, { onRecord, onStages, onFault }) {
       const record = items[0]?.frame === frame ? items[0] : null;
       if (frame !== wanted) return;
       onRecord(frame, record);
-      window.clearTimeout(timer);
-      if (record) timer = window.setTimeout(() => void fetchStages(), REST_MS);
+      if (record) void fetchPreview();
     } catch (error) {
       if (!isAbort(error) && frame === wanted) onFault(frame, error);
     }
+  }
+
+  /** The newest frame that is wanted; those passed meanwhile are left out. */
+  async function fetchPreview() {
+    if (previewing || wanted === null) return;
+    previewing = true;
+    const frame = wanted;
+    const url = previewUrl(id, frame);
+    try {
+      const size = await sizeOf(url);
+      if (frame === wanted) onPreview(frame, url, size);
+    } catch (error) {
+      if (frame === wanted) onFault(frame, error);
+    }
+    previewing = false;
+    if (frame !== wanted) void fetchPreview();
+    else timer = window.setTimeout(() => void fetchStages(), REST_MS);
   }
 
   /** One at a time: what the server has begun it ends, and a queue of it would make all wait. */
@@ -71,9 +92,9 @@ export function makeFrameLoader(id, { onRecord, onStages, onFault }) {
     again() {
       if (wanted !== null && !busy) void fetchRecord(wanted);
     },
-    /** Have the server prepare a frame. @param {number} frame */
-    async prepare(frame) {
-      await getStages(id, frame).catch(() => null);
+    /** Have a frame's picture ready. @param {number} frame */
+    prepare(frame) {
+      new Image().src = previewUrl(id, frame);
     },
   };
 }
@@ -81,7 +102,7 @@ export function makeFrameLoader(id, { onRecord, onStages, onFault }) {
 /**
  * A picture's size; it is shown only when it is there, so that frames follow without a flash.
  * @param {string} url
- * @returns {Promise<{width: number, height: number}>}
+ * @returns {Promise<Size>}
  */
 async function sizeOf(url) {
   const image = new Image();
