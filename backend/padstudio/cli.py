@@ -12,6 +12,7 @@ import typer
 from padstudio import (
     cli_coverage,
     cli_detect,
+    cli_export,
     cli_generate,
     cli_print,
     cli_serve,
@@ -62,6 +63,7 @@ for part in (
     cli_generate,
     cli_print,
     cli_detect,
+    cli_export,
     cli_simulate,
     cli_coverage,
     cli_serve,

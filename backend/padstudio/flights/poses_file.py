@@ -1,0 +1,100 @@
+"""Reads poses files (docs/conventions.md, "Poses file")."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from padstudio.errors import StudioError
+
+Record = dict[str, Any]
+
+_SHAPES = {"position_mm": 3, "quaternion_xyzw": 4}
+
+
+class PosesFormatError(StudioError):
+    """A poses file is ill-formed; the message names the line."""
+
+    code = "invalid_poses_file"
+    status = 422
+
+
+def read_poses(path: Path) -> Iterator[Record]:
+    """Records of a poses file, as they are asked for.
+
+    Parameters
+    ----------
+    path : Path
+
+    Raises
+    ------
+    PosesFormatError
+        If a line is no record.
+    OSError
+        If the file cannot be read.
+    """
+    with path.open("rb") as file:
+        for number, line in enumerate(file, 1):
+            if line.strip():
+                try:
+                    yield parse_record(line)
+                except PosesFormatError as error:
+                    raise PosesFormatError(
+                        f"{path.name}, line {number}: {error.message}"
+                    ) from error
+
+
+def parse_record(line: bytes) -> Record:
+    """The record of one line.
+
+    Raises
+    ------
+    PosesFormatError
+        If it is none.
+    """
+    try:
+        record = json.loads(line)
+    except ValueError as error:
+        raise PosesFormatError("this is no JSON; give a poses file (*.jsonl)") from error
+    if not isinstance(record, dict):
+        raise PosesFormatError("this is no object; give a poses file (*.jsonl)")
+    if not isinstance(record.get("source"), str) or not _is_count(record.get("frame")):
+        raise PosesFormatError("a record needs a text source and a number frame")
+    time_s = record.get("time_s")
+    if time_s is not None and not _are_numbers([time_s]):
+        raise PosesFormatError("time_s must be a number or null")
+    if record.get("status") == "ok":
+        _check_pose(record)
+    elif record.get("status") == "failed":
+        if not all(isinstance(record.get(key), str) for key in ("stage", "reason")):
+            raise PosesFormatError("a failed record needs a stage and a reason")
+    else:
+        raise PosesFormatError("status must be ok or failed")
+    return record
+
+
+def _check_pose(record: Record) -> None:
+    for key, count in _SHAPES.items():
+        if not _are_numbers(record.get(key), count):
+            raise PosesFormatError(f"{key} must be {count} numbers")
+    rotation = record.get("rotation")
+    if not (
+        isinstance(rotation, list)
+        and len(rotation) == 3
+        and all(_are_numbers(row, 3) for row in rotation)
+    ):
+        raise PosesFormatError("rotation must be 3 rows of 3 numbers")
+
+
+def _are_numbers(values: object, count: int = 1) -> bool:
+    if not isinstance(values, list) or len(values) != count:
+        return False
+    numbers = [v for v in values if isinstance(v, int | float) and not isinstance(v, bool)]
+    return len(numbers) == count and all(math.isfinite(v) for v in numbers)
+
+
+def _is_count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
