@@ -36,7 +36,7 @@ import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
 import { isOpen } from "./flightLogic.js";
 import * as flightsApi from "./flightsApi.js";
-import { withPreview, withRecord, withStages } from "./frameLogic.js";
+import { withPreview, withRecord, withStages } from "./flightFrameLogic.js";
 import { makeFrameLoader } from "./frameLoader.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";

@@ -116,6 +116,7 @@ export function sourceNotes({ sources = [] }) {
  */
 export function summaryFacts(summary) {
   const { frames, ok, longest_gap: gap, layers } = summary;
+  if (!frames) return [["Frames", "none read yet"]];
   /** @type {[string, string][]} */
   const facts = [["With a pose", `${number(ok)} of ${number(frames)}, ${percent(ok, frames)}`]];
   facts.push(["Longest gap", gap ? gapInWords(gap) : "none"]);
