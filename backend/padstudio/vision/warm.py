@@ -1,0 +1,61 @@
+"""Compiles the detector's inner loops ahead: ``python -m padstudio.vision.warm``.
+
+The first detection after an installation would otherwise take some seconds longer. The machine
+code is kept on disk, so that one process warms all later ones.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.layout import layout
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.pipeline import Detector
+from padstudio.vision.types import Image
+
+_SIDE_PX = 640
+_CELLS = 25
+# Widths of a cell that are read border by border, and as a whole pattern.
+_CELL_PX = (20.0, 3.6)
+
+
+def warm_up() -> bool:
+    """Read and follow a small pad from near and from afar; True where every frame gave its pose."""
+    pad = _pad()
+    matrix = np.array([[1000.0, 0, _SIDE_PX / 2], [0, 1000.0, _SIDE_PX / 2], [0, 0, 1]])
+    detector = Detector(pad, Camera(_SIDE_PX, _SIDE_PX, matrix, np.zeros(5)))
+    found = []
+    for cell_px in _CELL_PX:
+        frame = _frame(pad, cell_px)
+        found += [detection.ok for detection in detector.track([frame] * 3)]
+    return all(found)
+
+
+def _pad() -> Pad:
+    rng = np.random.default_rng(1)
+    fine = rng.integers(0, 2, (_CELLS, _CELLS)).astype(np.uint8)
+    coarse = rng.integers(0, 2, (_CELLS // 5, _CELLS // 5)).astype(np.uint8)
+    return Pad((Layer("red", 10.0, fine), Layer("blue", 50.0, coarse)), window=5)
+
+
+def _frame(pad: Pad, cell_px: float) -> Image:
+    """The pad amid a grey picture, slightly turned."""
+    bgr = np.ascontiguousarray(layout(pad).colors[:, :, ::-1])
+    angle = np.radians(7.0)
+    turn = cell_px * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    # Array pixels have their centres at whole numbers.
+    middle = np.full(2, _SIDE_PX / 2) - turn @ np.full(2, (_CELLS - 1) / 2)
+    frame = cv2.warpAffine(
+        bgr,
+        np.column_stack([turn, middle]),
+        (_SIDE_PX, _SIDE_PX),
+        flags=cv2.INTER_NEAREST,
+        borderValue=(110, 110, 110),
+    )
+    return np.asarray(cv2.GaussianBlur(frame, (0, 0), 0.8), np.uint8)
+
+
+if __name__ == "__main__":
+    warm_up()
