@@ -41,9 +41,9 @@ export function verificationFacts(check) {
     ["Each occurs once", check.unique ? once : "no"],
   ];
   const least = leastDistance(check);
-  if (typeof least === "number") facts.push(["Windows differ in", `${least} or more cells`]);
+  if (typeof least === "number") facts.push(["Windows differ in", `≥ ${least} cells`]);
   if (check.unique && typeof least === "number") {
-    facts.push(["Misread cells corrected", number(Math.floor((least - 1) / 2))]);
+    facts.push(["Misreads corrected", number(Math.floor((least - 1) / 2))]);
   }
   if (check.windows_possible > 0) {
     const percent = (100 * check.windows) / check.windows_possible;

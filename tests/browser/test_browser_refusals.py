@@ -58,7 +58,7 @@ def test_a_pad_that_the_server_cannot_make_is_explained(
     page.route(
         "**/pads/preview", lambda route: route.fulfill(status=422, json={"error": error}), times=1
     )
-    page.locator("summary").click()
+    page.locator("#spec-form summary").click()
     page.get_by_label("Distance").fill("9")
     message = page.locator("#viewer [data-ref=message]")
     expect(message).to_have_text("The search ended at 3 of 9.")

@@ -41,7 +41,7 @@ def _design_and_download(page: Page, folder: Path) -> None:
     page.get_by_label("Columns").fill("30")
     facts = page.locator("#pad-facts")
     expect(facts).to_contain_text("300 × 400 mm")
-    expect(facts).to_contain_text("in all rotations")
+    expect(page.locator("#verification")).to_contain_text("in all rotations")
     expect(page.locator("#viewer canvas").first).to_be_visible()
     with page.expect_download() as download:
         page.get_by_role("button", name="PDF").click()

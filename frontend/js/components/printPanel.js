@@ -17,6 +17,7 @@
  */
 
 import { mountFacts } from "./facts.js";
+import { mountTextForm } from "./textForm.js";
 
 /**
  * @param {HTMLElement} root
@@ -26,20 +27,13 @@ import { mountFacts } from "./facts.js";
 export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto }) {
   const find = (/** @type {string} */ name) =>
     /** @type {HTMLElement} */ (root.querySelector(`[data-ref="${name}"]`));
-  const form = /** @type {HTMLFormElement} */ (find("options"));
-  const fields = /** @type {(HTMLInputElement | HTMLSelectElement)[]} */ (
-    [...form.querySelectorAll("[name]")]
-  );
+  const form = mountTextForm(/** @type {HTMLFormElement} */ (find("options")), { onInput });
   const measured = /** @type {HTMLFormElement} */ (find("measured"));
   const rulers = /** @type {HTMLInputElement[]} */ ([...measured.querySelectorAll("input")]);
   const facts = mountFacts(find("facts"));
   const stripFacts = mountFacts(find("strip-facts"));
   let shownRulers = "";
 
-  form.addEventListener("input", () => {
-    onInput(Object.fromEntries(fields.map((field) => [field.name, valueOf(field)])));
-  });
-  form.addEventListener("submit", (event) => event.preventDefault());
   measured.addEventListener("submit", (event) => {
     event.preventDefault();
     onMeasured(rulers[0].value, rulers[1].value);
@@ -51,21 +45,10 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto }) {
     if (file) onStripPhoto(file);
   });
 
-  /** @param {HTMLInputElement | HTMLSelectElement} field @param {string} fault */
-  function showFault(field, fault) {
-    const place = document.getElementById(`print-${field.name}-error`);
-    if (!place) return;
-    if (place.textContent !== fault) place.textContent = fault;
-    field.setAttribute("aria-invalid", String(Boolean(fault)));
-  }
-
   return {
     /** @param {PrintPanelState} state */
     update({ texts, errors, fault, facts: shown, warning, rulers: read, isSaved, strip }) {
-      for (const field of fields) {
-        setValue(field, texts[field.name] ?? "");
-        showFault(field, errors[field.name] ?? "");
-      }
+      form.update({ texts, errors });
       find("custom").hidden = texts.paper !== "custom";
       find("overlap").hidden = texts.joint !== "overlap";
       find("sheet-options").toggleAttribute("inert", texts.paper === "own");
@@ -82,14 +65,4 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto }) {
       find("strip-warning").textContent = strip?.warnings.join(" ") ?? "";
     },
   };
-}
-
-/** @param {HTMLInputElement | HTMLSelectElement} field */
-const valueOf = (field) =>
-  field instanceof HTMLInputElement && field.type === "checkbox" ? String(field.checked) : field.value;
-
-/** @param {HTMLInputElement | HTMLSelectElement} field @param {string} text */
-function setValue(field, text) {
-  if (field instanceof HTMLInputElement && field.type === "checkbox") field.checked = text === "true";
-  else if (field.value !== text) field.value = text;
 }

@@ -1,7 +1,7 @@
-import { capacityInWords, padFacts, sheetInWords, textsOfPad } from "/static/js/designLogic.js";
+import { boundsInWords, padFacts, sheetInWords, tableSizes, textsOfPad } from "/static/js/designLogic.js";
 import { viewOfPad } from "/static/js/padLogic.js";
 import { DEFAULT_SPEC } from "/static/js/specLogic.js";
-import { equal } from "./check.js";
+import { contains, equal } from "./check.js";
 
 const FILE = {
   name: "tiny",
@@ -16,9 +16,21 @@ const FILE = {
 const SUMMARY = { name: "tiny", window: 2, levels: 2, seed: 9, method: "growth", unique: "plain", distance: 1 };
 
 export const tests = {
-  "a share of all codes": () => {
-    equal(capacityInWords(DEFAULT_SPEC), "0.17 % of 8\u202f388\u202f608");
-    equal(capacityInWords({ ...DEFAULT_SPEC, window: 8 }), "below 0.01 % of about 10¹⁹");
+  "bounds say what is needed, what there is and how large a pad can be": () => {
+    const bounds = {
+      windows_needed: 14641, log10_possible: 7.5, log10_at_most: Math.log10(322638), share: 0.05,
+      largest_square: 571, outlook: "easy",
+    };
+    const words = boundsInWords(bounds, 4000);
+    equal(words, { capacity: "14\u202f641 of 322\u202f638", largest: "571 × 571", outlook: "" });
+    contains(boundsInWords({ ...bounds, outlook: "long" }, 4000).outlook, "may take long");
+    equal(boundsInWords({ ...bounds, log10_at_most: null }, 4000).capacity, "14\u202f641 of none");
+    equal(boundsInWords({ ...bounds, log10_at_most: 60 }, 571).largest, "as large as may be");
+    equal(boundsInWords(null, 4000).capacity, "–");
+  },
+  "a table takes what it does not say from the form's good fields": () => {
+    const texts = { window: "4", cell_mm: " 7.5 ", ratio: "", quiet_mm: "x", rows: "9" };
+    equal(tableSizes(texts), { window: "4", cell_mm: "7.5" });
   },
   "the sheet": () => equal(sheetInWords({ ...DEFAULT_SPEC, rows: 60, cell_mm: 2.5 }), "312.5 × 150 mm"),
   "facts of a pad and of each layer": () => {

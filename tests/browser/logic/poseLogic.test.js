@@ -1,5 +1,4 @@
 import { evidenceFacts, poseFacts, poseInWords, verdict } from "/static/js/poseLogic.js";
-import { verificationFacts } from "/static/js/verificationLogic.js";
 import { equal } from "./check.js";
 
 const RECORD = {
@@ -50,16 +49,5 @@ export const tests = {
     equal(verdict({ ...RECORD, layer: "outline" }), "Pose found from the outline of the pad");
     equal(verdict({ status: "failed", stage: "block_mean", reason: "no_contrast", elapsed_ms: {} }),
       "No pose: no contrast at stage Block mean");
-  },
-  "a check says how far uniqueness goes": () => {
-    const check = { windows: 14641, unique: true, unique_under_rotation: true, min_distance: 2, min_distance_under_rotation: 1 };
-    equal(verificationFacts(check), {
-      facts: [["Windows checked", "14\u202f641"], ["Each occurs once", "in all rotations"], ["Windows differ in", "1 or more cells"]],
-      fault: "",
-    });
-    const plain = verificationFacts({ ...check, unique_under_rotation: false });
-    equal(plain.facts.slice(1), [["Each occurs once", "as printed"], ["Windows differ in", "2 or more cells"]]);
-    equal(verificationFacts({ ...check, unique: false, unique_under_rotation: false }).fault !== "", true);
-    equal(verificationFacts(null), { facts: [], fault: "" });
   },
 };

@@ -1,0 +1,62 @@
+import {
+  areaPath, channelsOf, heightFacts, heightRange, heightSteps, logTicks, ofMethod, placeInWords,
+  placeOf, widestBands, xOf, yOf,
+} from "/static/js/coverageLogic.js";
+import { contains, equal, near } from "./check.js";
+
+const span = (channel, tilt, low, high) => ({ channel, tilt_deg: tilt, low_mm: low, high_mm: high });
+const DENSE = {
+  method: "dense", cells_across: 5, cell_px: 4.6,
+  spans: [
+    span("red", 0, 60, 400), span("blue", 0, 800, 4000),
+    span("red", 30, 50, 300), span("blue", 30, null, null),
+  ],
+  dead_bands: [
+    { tilt_deg: 0, low_mm: 400, high_mm: 800, message: "none reads" },
+    { tilt_deg: 0, low_mm: 500, high_mm: 600, message: "narrow" },
+  ],
+};
+const FRAME = { width: 500, height: 330, left: 100, bottom: 30, lowMm: 10, highMm: 1000, mostDeg: 80 };
+
+export const tests = {
+  "a chart's method and its channels": () => {
+    const chart = { camera: "c", methods: [DENSE] };
+    equal([ofMethod(chart, "dense"), ofMethod(chart, "paper"), ofMethod(null, "dense")], [DENSE, null, null]);
+    equal(channelsOf(DENSE), ["red", "blue"]);
+  },
+  "heights from step to step": () => {
+    equal(heightRange([DENSE]), { lowMm: 50, highMm: 5000 });
+    equal(heightRange([{ ...DENSE, spans: [] }]), { lowMm: 10, highMm: 10000 });
+    equal(logTicks(0.05, 3), [0.05, 0.1, 0.2, 0.5, 1, 2]);
+  },
+  "places on the chart and back": () => {
+    near(yOf(FRAME, 10), 300);
+    near(yOf(FRAME, 100), 150);
+    near(yOf(FRAME, 1e6), 0);
+    near(xOf(FRAME, 40), 300);
+    const { tiltDeg, heightMm } = placeOf(FRAME, 300, 150);
+    near(tiltDeg, 40);
+    near(heightMm, 100, 1e-6);
+    near(placeOf(FRAME, -50, 900).heightMm, 10);
+  },
+  "an area goes up one side and down the other, and stops where nothing reads": () => {
+    equal(areaPath(FRAME, [span("red", 0, 10, 1000), span("red", 80, 10, 100)]),
+      "M100.0 0.0 L500.0 150.0 L500.0 300.0 L100.0 300.0 Z");
+    const parted = [0, 20, 40].map((tilt) => span("red", tilt, tilt === 20 ? null : 10, 100));
+    equal(areaPath(FRAME, parted).match(/M/g).length, 2);
+    equal(areaPath(FRAME, [span("red", 0, null, null)]), "");
+  },
+  "the widest dead band of a tilt": () => equal(widestBands(DENSE), [DENSE.dead_bands[0]]),
+  "heights from straight above, in words": () => {
+    equal(heightFacts(DENSE), [["Red layer", "60.0 mm … 400 mm"], ["Blue layer", "800 mm … 4.00 m"]]);
+  },
+  "what reads at a place": () => {
+    equal(placeInWords(DENSE, { tiltDeg: 3, heightMm: 200 }), "200 mm, tilt 3°: red reads");
+    contains(placeInWords(DENSE, { tiltDeg: 0, heightMm: 500 }), "nothing reads");
+    contains(placeInWords(DENSE, { tiltDeg: 29, heightMm: 900 }), "nothing reads");
+  },
+  "even ratios of height": () => {
+    equal(heightSteps(100, 1600, 5), [1600, 800, 400, 200, 100]);
+    equal(heightSteps(100, 1600, 1), [1600]);
+  },
+};
