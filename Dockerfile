@@ -19,14 +19,15 @@ RUN useradd --create-home --uid 10001 padstudio \
     && install --directory --owner padstudio --group padstudio /data
 COPY --from=build /opt/padstudio /opt/padstudio
 
-# Numba keeps what it compiled in the user's cache folder.
 ENV PATH=/opt/padstudio/.venv/bin:$PATH \
     PADSTUDIO_DATA=/data \
     PADSTUDIO_HOST=0.0.0.0 \
     PADSTUDIO_PORT=8000 \
-    NUMBA_CACHE_DIR=/data/.cache/numba \
+    NUMBA_CACHE_DIR=/var/cache/padstudio \
     PYTHONUNBUFFERED=1
 USER padstudio
+# What Numba compiles is kept in NUMBA_CACHE_DIR.
+RUN python -m padstudio.vision.warm
 WORKDIR /data
 VOLUME /data
 EXPOSE 8000

@@ -23,7 +23,7 @@ help:
 	@echo 'make run       serve the studio on http://127.0.0.1:8000   (ARGS="--port 9000")'
 	@echo 'make test      check, then all tests, those in a browser included   (ARGS="-k camera")'
 	@echo 'make check     lint, formatting and types'
-	@echo 'make bench     benchmarks'
+	@echo 'make bench     benchmarks   (ARGS="shootout --full")'
 	@echo 'make clean     remove $(VENV) and caches'
 
 install: $(STAMPS)/package
@@ -45,6 +45,7 @@ $(STAMPS)/lock: requirements.lock $(STAMPS)/uv
 
 $(STAMPS)/package: pyproject.toml $(STAMPS)/lock
 	$(VENV)/bin/uv pip install --quiet --python $(PYTHON) --no-deps --no-build-isolation -e .
+	$(PYTHON) -m padstudio.vision.warm
 	@touch $@
 
 run: install
@@ -64,7 +65,13 @@ $(STAMPS)/tools: tests/install-tools.sh
 test: check $(STAMPS)/tools
 	$(PYTHON) -m pytest -n auto --dist loadfile $(ARGS)
 
-bench: install
+# Another maker's board reader, which only the shoot-out uses: where it cannot be installed, the
+# shoot-out says so and goes on.
+$(STAMPS)/bench: requirements-bench.lock $(STAMPS)/lock
+	-$(VENV)/bin/uv pip install --quiet --python $(PYTHON) --no-deps --require-hashes -r $<
+	@touch $@
+
+bench: install $(STAMPS)/bench
 	$(PYTHON) tests/benchmarks/run.py $(ARGS)
 
 clean:

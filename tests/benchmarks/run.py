@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Runs the benchmarks beside it, one after the other, each in a process of its own.
 
-    run.py [NAME …]
+    run.py [NAME …] [--OPTION …]
 
-A name is a part of a file's name: ``run.py footage`` runs ``bench_footage.py``.
+A name is a part of a file's name: ``run.py footage`` runs ``bench_footage.py``. Options, from the
+first one on, go to every benchmark that is run.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ HERE = Path(__file__).resolve().parent
 
 
 def main() -> int:
-    wanted = sys.argv[1:] or [""]
+    given = sys.argv[1:]
+    first_option = next((k for k, word in enumerate(given) if word.startswith("-")), len(given))
+    wanted, options = given[:first_option] or [""], given[first_option:]
     scripts = [p for p in sorted(HERE.glob("bench_*.py")) if any(w in p.stem for w in wanted)]
     if not scripts:
         print(f"error: no benchmark is called {' or '.join(wanted)}", file=sys.stderr)
@@ -24,7 +27,7 @@ def main() -> int:
     failed = []
     for script in scripts:
         print(f"\n== {script.stem.removeprefix('bench_')}", flush=True)
-        if subprocess.run([sys.executable, script], check=False).returncode:
+        if subprocess.run([sys.executable, script, *options], check=False).returncode:
             failed.append(script.name)
     if failed:
         print(f"error: failed: {', '.join(failed)}", file=sys.stderr)

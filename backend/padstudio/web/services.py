@@ -15,6 +15,7 @@ from padstudio.flights import analysis, design
 from padstudio.flights.desk import FlightDesk
 from padstudio.flights.store import Store
 from padstudio.flights.workers import WorkerPool
+from padstudio.vision import warm
 from padstudio.web.schemas import ErrorBody
 from padstudio.web.settings import Settings
 from padstudio.web.turns import Turns
@@ -56,8 +57,9 @@ class Services:
         return await asyncio.wrap_future(self.pool.submit(function, *args, timeout_s=timeout_s))
 
     def warm_up(self) -> None:
-        """Start a worker on a small pad, so that the first user does not wait for its imports."""
+        """Start workers on a small pad, so that the first user does not wait for their imports."""
         self.pool.submit(design.generate, _SMALL_PAD, 30.0, timeout_s=60.0)
+        self.pool.submit(warm.warm_up, timeout_s=60.0)
 
 
 def services(request: Request) -> Services:
