@@ -71,6 +71,15 @@ def test_window_of_a_tilted_view_lies_where_the_truth_has_it():
     assert np.abs(middle - (0.5, 0.5)).max() <= 0.52
 
 
+def test_a_middle_at_the_rim_gives_way_to_the_nearest_window_in_view():
+    # Columns reach 16 cells wide over 640 px, rows 22 cells high over 480 px: the middle row is
+    # line 11, at 440 px, and the cells beyond line 12 are out of the frame.
+    window = central_window(upright_grid(17, 23), 5)
+    assert window.column == 5
+    assert window.row == 7
+    assert window.corners_xy[:, 1].max() <= 12 * PITCH
+
+
 def test_points_beyond_the_horizon_have_no_pixels():
     pose = look_at_pad(300.0, tilt_deg=40)
     view = lattice_view(pose, small_camera(), 40.0)

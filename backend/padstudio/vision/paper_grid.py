@@ -51,12 +51,7 @@ class CentralWindow:
 
     def to_pixels(self, coordinates: Array) -> Array:
         """Frame pixels (N, 2) of lattice coordinates (N, 2); NaN beyond the horizon."""
-        plane_from_lattice = np.linalg.inv(self.grid.lattice_from_plane)
-        h = np.column_stack([coordinates, np.ones(len(coordinates))]) @ plane_from_lattice.T
-        middle = np.array([self.column + self.size / 2, self.row + self.size / 2, 1.0])
-        ahead = h[:, 2] * (plane_from_lattice[2] @ middle) > 0
-        local = np.full((len(h), 2), np.nan)
-        local[ahead] = h[ahead, :2] / h[ahead, 2:]
+        local = _plane_pixels(self.grid, coordinates)
         return self.plane.to_frame(self.grid.found.edges.bend(local))
 
 
@@ -66,7 +61,8 @@ def central_window(grid: LineGrid, size: int) -> CentralWindow | StageFailure:
     Of an even number of lines the middle two count, of an odd number the middle one; the centre
     point is the mean of the crossings of both families' middle lines. Where the window cannot be
     symmetric about it (an odd number of lines and an odd b), the window lies half a cell to its
-    left or above.
+    left or above. A line that only cuts a corner of the picture counts like any other, so that the
+    middle can lie at the rim: then the nearest window is taken that lies in view.
 
     Parameters
     ----------
@@ -84,7 +80,7 @@ def central_window(grid: LineGrid, size: int) -> CentralWindow | StageFailure:
             f"of {size} x {size} cells, which has {size + 1} x {size + 1}",
             "fly higher, or print smaller cells",
         )
-    starts = [(count - size - 1) // 2 for count in counts]
+    starts = _in_view(grid, size, (counts[0] - size - 1) // 2, (counts[1] - size - 1) // 2)
     edges = grid.found.edges
     plane = edges.plane
     centre = np.mean([_cross(u, v) for u in _middle(families[0]) for v in _middle(families[1])], 0)
@@ -101,6 +97,37 @@ def central_window(grid: LineGrid, size: int) -> CentralWindow | StageFailure:
         corners_xy=corners,
         area_px=float(cv2.contourArea(corners.astype(np.float32))),
     )
+
+
+def _in_view(grid: LineGrid, size: int, column: int, row: int) -> tuple[int, int]:
+    """The window nearest to a first choice whose corner cells' centres lie in the frame."""
+    spans = [len(family.lines) - size for family in (grid.columns, grid.rows)]
+    starts = np.stack(np.meshgrid(*(np.arange(span) for span in spans), indexing="ij"), axis=-1)
+    starts = starts.reshape(-1, 2)
+    order = np.argsort(np.abs(starts - (column, row)).sum(axis=1), kind="stable")
+    first = np.array([grid.columns.first, grid.rows.first])
+    centres = np.array([(c, r) for c in (0.5, size - 0.5) for r in (0.5, size - 0.5)])
+    camera = grid.found.edges.camera
+    limit = np.array([camera.width, camera.height]) - 1
+    for number in order:
+        at = _plane_pixels(grid, first + starts[number] + centres)
+        pixels = grid.found.edges.plane.to_frame(grid.found.edges.bend(at))
+        if ((pixels >= 0) & (pixels <= limit)).all():
+            return int(starts[number, 0]), int(starts[number, 1])
+    return column, row
+
+
+def _plane_pixels(grid: LineGrid, coordinates: Array) -> Array:
+    """Undistorted plane pixels (N, 2) of lattice coordinates (N, 2); NaN beyond the horizon."""
+    plane_from_lattice = np.linalg.inv(grid.lattice_from_plane)
+    middle = np.array(
+        [(family.first + family.last) / 2 for family in (grid.columns, grid.rows)] + [1.0]
+    )
+    h = np.column_stack([coordinates, np.ones(len(coordinates))]) @ plane_from_lattice.T
+    ahead = h[:, 2] * (plane_from_lattice[2] @ middle) > 0
+    local = np.full((len(h), 2), np.nan)
+    local[ahead] = h[ahead, :2] / h[ahead, 2:]
+    return local
 
 
 def _middle(family: Family) -> Array:

@@ -131,15 +131,15 @@ def window_pose(
 
 
 def _off_lattice(pad: Pad, camera: Camera, read: WindowRead, pose: Pose) -> float:
-    """How far the lattice's crossings lie from where a pose puts them, cells, root mean square."""
+    """How far the read cells lie from where a pose puts them, in cells, root mean square."""
     window, cells = read.window, read.cells
     rows, cols = np.nonzero(cells.seen & (read.expected >= 0))
-    here = np.stack([cols + cells.column0, rows + cells.row0], axis=1) + 0.5
+    here = np.stack([cols + cells.column0, rows + cells.row0], axis=1).astype(float) + 0.5
     origin = np.array([window.column, window.row], float)
     across = (read.corners_lattice[1] - read.corners_lattice[0]) / window.size
     down = (read.corners_lattice[3] - read.corners_lattice[0]) / window.size
     step = here - origin
     there = read.corners_lattice[0] + step[:, :1] * across + step[:, 1:] * down
-    off = corner_residuals(pose, camera, to_pad(pad, read.layer, there), cells.xy[rows, cols])
+    off = corner_residuals(pose, camera, to_pad(pad, read.layer, there), window.to_pixels(here))
     off_cells = np.linalg.norm(off, axis=1) / max(cells.cell_px, 1.0)
     return float(np.sqrt(np.mean(off_cells**2))) if np.isfinite(off_cells).all() else np.inf
