@@ -1,0 +1,107 @@
+import {
+  differenceInWords, gapInWords, isOpen, isRetryable, progressInWords, rangeInWords, reasonsOf, restInWords,
+  sourceNotes, summaryFacts,
+} from "/static/js/flightLogic.js";
+import { sourceInWords, withPreview, withRecord, withStages } from "/static/js/flightFrameLogic.js";
+import { bytes, clock, percent } from "/static/js/formatLogic.js";
+import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/orderLogic.js";
+import { contains, equal } from "./check.js";
+
+const flight = (change = {}) => ({
+  id: "f", name: "landing", state: "running", created_at: "2026-05-04T09:30:00Z",
+  started_at: "2026-05-04T09:30:00Z", finished_at: null, frames_total: 5400, frames_done: 1200,
+  frames_ok: 1187, progress: 0.22, error: null, rerun_of: null,
+  request: { pad_name: "A", camera_name: "C", method: "dense", params: {}, first_frame: 0, end_frame: null, stride: 1 },
+  ...change,
+});
+const record = { source: "a.mp4", frame: 12, time_s: 0.4, status: "ok", elapsed_ms: {} };
+
+export const tests = {
+  "progress in words": () => {
+    equal(progressInWords(flight()), "1200 of 5400 frames, 99 % with a pose");
+    equal(progressInWords(flight({ state: "queued", frames_total: null })), "waits for its turn");
+    equal(progressInWords(flight({ frames_total: null })), "looking into the files");
+    equal(progressInWords(flight({ frames_total: 1, frames_done: 1, frames_ok: 0 })), "1 frame, 0 % with a pose");
+  },
+  "the rest follows from the rate so far": () => {
+    const now = Date.parse("2026-05-04T09:30:20Z");
+    equal(restInWords(flight(), now), "60 frames/s, about 1 min left");
+    equal(restInWords(flight({ frames_done: 5000 }), now), "250 frames/s, about 2 s left");
+    equal([restInWords(flight({ frames_done: 0 }), now), restInWords(flight({ state: "done" }), now)], ["", ""]);
+  },
+  "what can be done depends on the state": () => {
+    const states = ["queued", "running", "done", "failed", "cancelled"].map((state) => flight({ state }));
+    equal(states.map(isOpen), [true, true, false, false, false]);
+    equal(states.map(isRetryable), [false, false, false, true, true]);
+  },
+  "ranges in words": () => {
+    equal(rangeInWords({ first_frame: 0, end_frame: null, stride: 1 }), "all");
+    equal(rangeInWords({ first_frame: 30, end_frame: 91, stride: 2 }), "30 to 90, every 2nd");
+    equal(rangeInWords({ first_frame: 5, end_frame: null, stride: 11 }), "from 5, every 11th");
+  },
+  "range fields become what the server takes, and back": () => {
+    equal(rangeValues({ first: "", last: "", stride: "" }), { first_frame: 0, end_frame: null, stride: 1 });
+    const fields = { first: "10", last: "19", stride: "3" };
+    equal(rangeValues(fields), { first_frame: 10, end_frame: 20, stride: 3 });
+    equal(rangeOf(rangeValues(fields)), fields);
+    equal(rangeOf({}), { first: "", last: "", stride: "" });
+  },
+  "wrong ranges are explained": () => {
+    const fault = (change) => rangeFault({ first: "", last: "", stride: "", ...change });
+    equal([fault({}), fault({ last: "0" })], ["", ""]);
+    contains(fault({ first: "-1" }), "first frame");
+    contains(fault({ first: "1.5" }), "whole");
+    contains(fault({ stride: "0" }), "n must");
+    contains(fault({ first: "9", last: "8" }), "before");
+  },
+  "what is missing for an order": () => {
+    equal(missingOrder({ pad: "1", camera: "2", files: 1 }), "");
+    equal(missingOrder({ pad: "", camera: "", files: 0 }), "Choose a video or stills, a pad and a camera.");
+  },
+  "parameters are an object": () => {
+    equal(paramsFrom(' {"a": {"b": 1}} '), { params: { a: { b: 1 } }, fault: "" });
+    equal(paramsFrom("").fault, "");
+    for (const text of ["{", "[1]", "3", "null"]) contains(paramsFrom(text).fault, "JSON object");
+  },
+  "figures of the summary": () => {
+    const summary = { frames: 60, ok: 58, longest_gap: { first_frame: 3, frames: 2, seconds: 0.1 }, layers: { red: 29, outline: 29 } };
+    equal(summaryFacts(summary), [
+      ["With a pose", "58 of 60, 97 %"], ["Longest gap", "2 frames, 0.1 s, from 3"],
+      ["From the red layer", "50 %"], ["From the outline", "50 %"],
+    ]);
+    equal(gapInWords({ first_frame: 4, frames: 1, seconds: null }), "1 frame, from 4");
+    equal(summaryFacts({ ...summary, frames: 0, ok: 0 }), [["Frames", "none read yet"]]);
+  },
+  "reasons come by number": () => {
+    equal(reasonsOf({ reasons: { no_edges: 2, unknown_code: 9 } }).map((each) => each.text),
+      ["unknown code (9)", "no edges (2)"]);
+  },
+  "damage is told": () => {
+    const video = { damage: ["cut off"], frames: 91, frames_declared: 300 };
+    equal(sourceNotes(flight({ sources: [{ name: "a.mp4", video }] })), ["a.mp4: cut off", "a.mp4: 91 of 300 frames are there."]);
+  },
+  "two runs differ in what they differ in": () => {
+    const other = flight({ request: { ...flight().request, method: "paper" } });
+    equal(differenceInWords(other, flight()), "Method: paper / dense");
+    equal(differenceInWords(flight(), flight()), "the same settings");
+  },
+  "a frame comes piece by piece and never shows another one's result": () => {
+    let state = { shown: null, ...withRecord({ shown: null }, 12, record) };
+    equal([state.shown.status, state.stale, state.shown.answer.trace], ["ok", true, null]);
+    state = { ...state, ...withPreview(state, "p.jpg", { width: 8, height: 6 }) };
+    equal([state.shown.answer.trace.result_picture, state.shown.answer.image.width], ["p.jpg", 8]);
+    const stages = { result: record, result_picture: "r.webp", stages: [{ name: "pose" }] };
+    state = { ...state, ...withStages(state, 12, stages, { width: 80, height: 60 }) };
+    equal([state.stale, state.shown.answer.trace.stages.length, state.shown.answer.image.width], [false, 1, 80]);
+    state = { ...state, ...withRecord(state, 13, { ...record, frame: 13, status: "failed" }) };
+    equal([state.stale, state.shown.status, state.shown.answer.trace.result_picture], [true, "failed", "r.webp"]);
+    equal(withRecord({ shown: null, flight: flight() }, 5, null).shown.status, "waiting");
+    equal(withRecord({ shown: null, flight: flight({ state: "done" }) }, 5, null).shown.status, "refused");
+  },
+  "sizes, shares and times": () => {
+    equal([0, 999, 1500, 1_116_415, 32e9].map(bytes), ["0 B", "999 B", "1.5 kB", "1.1 MB", "32.0 GB"]);
+    equal([percent(1, 1), percent(0, 5), percent(1, 5000), percent(9999, 10_000), percent(1, 0)], ["100 %", "0 %", "< 0.1 %", "> 99.9 %", "–"]);
+    equal([clock(0), clock(59.999), clock(3727.1, 1)], ["0:00.00", "1:00.00", "1:02:07.1"]);
+    equal(sourceInWords(record), "Frame 12 · 0:00.40 · a.mp4");
+  },
+};
