@@ -15,6 +15,9 @@ CAMERA_FILE = FOOTAGE / "camera_drone_half.yaml"
 STILL = FOOTAGE / "stills" / "a_cast0_1300.jpg"
 NEGATIVE = FOOTAGE / "negatives" / "n08_checker.jpg"
 
+# Advice of the browser and of graphics drivers on how Plotly draws, which no page can heed.
+_DRAWING_NOTES = ("Canvas2D: Multiple readback", "GL Driver Message")
+
 
 def set_up_reading(page: Page) -> None:
     """Upload the footage's pad and camera on the Diagnose page."""
@@ -51,7 +54,10 @@ class Complaints:
 
         def on_console(kind: str, text: str) -> None:
             # The browser notes every refused request by itself; on_response judges those.
-            if kind in ("error", "warning") and not text.startswith("Failed to load resource"):
+            if text.startswith("Failed to load resource"):
+                return
+            is_note = kind == "warning" and any(note in text for note in _DRAWING_NOTES)
+            if kind in ("error", "warning") and not is_note:
                 self.faults.append(f"console {kind}: {text}")
 
         page.on("response", on_response)

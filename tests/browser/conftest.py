@@ -9,7 +9,8 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from browser_support import Complaints
+from browser_support import PAD_FILE, Complaints
+from flight_footage import FLIGHT_CAMERA, order_flight, write_flight
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from web.web_server import running, settings_for
@@ -42,6 +43,18 @@ def studio_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a server with the real detector."""
     with running(settings_for(tmp_path_factory.mktemp("studio"), **LIMITS)) as client:
         yield str(client.base_url).rstrip("/")
+
+
+@pytest.fixture(scope="package")
+def footage(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A small video and its telemetry."""
+    return write_flight(tmp_path_factory.mktemp("footage"))
+
+
+@pytest.fixture(scope="package")
+def flight_path(studio_url: str, footage: tuple[Path, Path]) -> str:
+    """The page of a flight that is done."""
+    return f"/flights/{order_flight(studio_url, footage, PAD_FILE, FLIGHT_CAMERA)}"
 
 
 @pytest.fixture(scope="package")

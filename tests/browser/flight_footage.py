@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
 import av
+import httpx
 import numpy as np
 from browser_support import FOOTAGE
 
@@ -57,3 +60,32 @@ def _cue(number: int, height_m: float) -> str:
         f"{number + 1}\n{times}\nFrameCnt: {number + 1}\n"
         f"[latitude: 47.1] [longitude: 8.5] [rel_alt: {height_m:.3f} abs_alt: 400.0]\n"
     )
+
+
+def order_flight(studio_url: str, files: Iterable[Path], pad: Path, camera: Path) -> str:
+    """Upload files, have them analysed with a pad and a camera, and wait; the flight's id."""
+    with httpx.Client(base_url=f"{studio_url}/api/v1", timeout=60, trust_env=False) as api:
+        ids = {
+            word: api.post(address, files={"file": (path.name, path.read_bytes())}).json()["id"]
+            for word, address, path in (
+                ("pad", "/pads/import", pad),
+                ("camera", "/cameras", camera),
+            )
+        }
+        uploads = [_upload(api, path) for path in files]
+        flight = api.post("/flights", json={"uploads": uploads, **ids}).raise_for_status().json()
+        while flight["state"] in ("queued", "running"):
+            time.sleep(0.2)
+            flight = api.get(f"/flights/{flight['id']}").raise_for_status().json()
+    assert flight["state"] == "done", flight["error"]
+    return str(flight["id"])
+
+
+def _upload(api: httpx.Client, path: Path) -> str:
+    headers = {
+        "Tus-Resumable": "1.0.0",
+        "Upload-Length": str(path.stat().st_size),
+        "Content-Type": "application/offset+octet-stream",
+    }
+    answer = api.post("/uploads", headers=headers, content=path.read_bytes()).raise_for_status()
+    return str(answer.json()["id"])

@@ -1,0 +1,122 @@
+"""Uploads from the Flights page: broken connections, reloads, refusals, giving up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import httpx
+import numpy as np
+from browser_support import Complaints
+from playwright.sync_api import Page, Route, expect
+
+SLOW_MS = 120_000
+UPLOAD = "**/api/v1/uploads/*"
+
+
+def _large(folder: Path, video: Path) -> Path:
+    """The video with bytes behind its end, which players pass over: sent in several parts."""
+    path = folder / "large.mp4"
+    path.write_bytes(video.read_bytes() + b"\0\0\x20\0free" + bytes(8184) + bytes(5_000_000))
+    return path
+
+
+def _uploads(studio_url: str) -> list[dict[str, object]]:
+    answer = httpx.get(f"{studio_url}/api/v1/uploads?limit=1000", trust_env=False)
+    return list(answer.raise_for_status().json()["items"])
+
+
+def test_a_broken_connection_costs_nothing(
+    open_page: Callable[..., Page], complaints: Complaints, footage: tuple[Path, Path]
+) -> None:
+    complaints.expected = {503}
+    page = open_page("/flights")
+    broken: list[str] = []
+
+    def cut(route: Route) -> None:
+        broken.append(route.request.method)
+        route.fulfill(status=503)
+
+    page.route(UPLOAD, cut, times=2)
+    page.get_by_label("Choose files").set_input_files(footage[0])
+    row = page.locator("#uploads li")
+    expect(row).to_contain_text("Trying again")
+    expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
+    assert broken == ["PATCH", "HEAD"]
+
+
+def test_an_upload_goes_on_after_a_reload(
+    open_page: Callable[..., Page], footage: tuple[Path, Path], tmp_path: Path, studio_url: str
+) -> None:
+    page = open_page("/flights")
+    page.on("dialog", lambda dialog: dialog.accept())
+    large = _large(tmp_path, footage[0])
+    offsets: list[int] = []
+
+    def hold(route: Route) -> None:
+        offset = int(route.request.headers.get("upload-offset", "0"))
+        offsets.append(offset)
+        if offset == 0:
+            route.continue_()
+
+    page.route(UPLOAD, hold)
+    page.get_by_label("Choose files").set_input_files(large)
+    expect(page.locator("#uploads")).to_contain_text("1.0 MB of")
+    page.unroute(UPLOAD)
+    page.reload()
+    row = page.locator("#uploads li")
+    expect(row).to_contain_text("Choose the file again")
+    expect(page.get_by_role("button", name="Analyse when sent")).to_be_disabled()
+    begun = [upload["id"] for upload in _uploads(studio_url) if upload["name"] == large.name]
+    page.get_by_label("Choose files").set_input_files(large)
+    expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
+    done = [upload for upload in _uploads(studio_url) if upload["name"] == large.name]
+    assert [upload["id"] for upload in done] == begun
+    assert [upload["complete"] for upload in done] == [True]
+    page.reload()
+    expect(page.locator("#uploads")).to_contain_text("1 file sent")
+
+
+def test_an_upload_can_be_given_up(
+    open_page: Callable[..., Page], footage: tuple[Path, Path], tmp_path: Path, studio_url: str
+) -> None:
+    page = open_page("/flights")
+    page.route(UPLOAD, lambda route: None if route.request.method == "PATCH" else route.continue_())
+    page.get_by_label("Choose files").set_input_files(_large(tmp_path, footage[0]))
+    expect(page.locator("#uploads")).to_contain_text("0 B of")
+    begun = [upload["id"] for upload in _uploads(studio_url) if not upload["complete"]]
+    assert len(begun) == 1
+    with page.expect_response(lambda response: response.request.method == "DELETE"):
+        page.get_by_role("button", name="Remove large.mp4").click()
+    expect(page.locator("#uploads")).to_be_hidden()
+    assert [upload for upload in _uploads(studio_url) if not upload["complete"]] == []
+
+
+def test_what_is_no_footage_is_refused_by_name(
+    open_page: Callable[..., Page], complaints: Complaints, tmp_path: Path
+) -> None:
+    complaints.expected = {422}
+    text, empty = tmp_path / "notes.mp4", tmp_path / "empty.mp4"
+    text.write_text("these are notes and no video")
+    empty.touch()
+    page = open_page("/flights")
+    page.get_by_label("Choose files").set_input_files([text, empty])
+    expect(page.locator("#uploads li", has_text="empty.mp4")).to_contain_text("empty")
+    expect(page.locator("#uploads li", has_text="notes.mp4")).to_contain_text("send a video")
+    expect(page.locator("#missing")).to_contain_text("a video or stills")
+    expect(page.get_by_role("button", name="Analyse when sent")).to_be_disabled()
+
+
+def test_a_folder_of_many_stills_is_one_line(
+    open_page: Callable[..., Page], tmp_path: Path
+) -> None:
+    folder = tmp_path / "stills"
+    folder.mkdir()
+    for number in range(9):
+        cv2.imwrite(str(folder / f"{number}.png"), np.full((9, 16, 3), number, np.uint8))
+    (folder / ".hidden").write_text("no still")
+    page = open_page("/flights")
+    page.get_by_label("Choose a folder").set_input_files(folder)
+    expect(page.locator("#uploads li")).to_have_count(1)
+    expect(page.locator("#uploads li")).to_contain_text("9 of 9 stills sent", timeout=SLOW_MS)
