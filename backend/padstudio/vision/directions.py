@@ -30,6 +30,8 @@ _LEAST_COSINE = 0.17
 _MOST_WEIGHT = 6.0
 # Edges seen along the plane by less than this sine lie beyond the horizon for all we know.
 _LEAST_DEPTH = 0.05
+# A climb ends where steps this small lead nowhere.
+_LEAST_STEP_DEG = 0.15
 # An edge belongs to a family when its direction on the plane is within this slope of the axis.
 _LEAST_SLOPE = 0.18
 # Spacings looked for, and the size of the tiles whose spectra are summed, pixels of the plane.
@@ -140,7 +142,7 @@ def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.co
     a few heavy edges cannot win. Near edges count for more, as cells shrink with distance, and a
     plane that most edges cannot lie on, being behind the camera there, loses their share.
     """
-    from padstudio.vision import kernels
+    from padstudio.vision import kernels_search as kernels
 
     first = np.array([1.0, 0.0, 0.0]) - normals * normals[:, :1]
     first /= np.linalg.norm(first, axis=1, keepdims=True)
@@ -159,20 +161,11 @@ def _distinct(normals: Array, score: Array) -> list[Array]:
 
 def _climb(normal: Array, lines: Array, rays: Array) -> tuple[float, Array]:
     """Walk a normal to the nearest maximum of coherence by shrinking steps."""
-    step = 6.0
-    while step > 0.15:
-        size = math.tan(math.radians(step * max(float(normal[2]), 0.25)))
-        side = np.array([1.0, 0.0, 0.0]) - normal * normal[0]
-        side /= np.linalg.norm(side)
-        other = np.cross(normal, side)
-        ring = [normal + size * (i * side + j * other) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-        around = np.array([normal, *ring])
-        around /= np.linalg.norm(around, axis=1, keepdims=True)
-        best = int(np.argmax(np.abs(_coherence(around, lines, rays)[0])))
-        if best == 0 or around[best, 2] < _LEAST_COSINE or best == 5:
-            step /= 2
-        else:
-            normal = around[best]
+    from padstudio.vision import kernels_search as kernels
+
+    normal = kernels.climb(
+        normal, lines, rays, _MOST_WEIGHT, _LEAST_DEPTH, _LEAST_COSINE, _LEAST_STEP_DEG
+    )
     mean, first = _coherence(normal[None], lines, rays)
     angle = float(np.angle(mean[0])) / 4
     second = np.cross(normal, first[0])

@@ -1,4 +1,4 @@
-"""Compiled inner loops of the dense method.
+"""Compiled inner loops of the refinement.
 
 Importing Numba takes half a second, so callers import this module where they first need it. Each
 loop is the plain form of an equation that the calling module documents.
@@ -16,44 +16,6 @@ from padstudio.vision.types import Array
 
 _STEPS = 13
 _BESIDE = 3
-
-
-@jit
-def coherence(
-    normals: Array, lines: Array, rays: Array, firsts: Array, most_weight: float, least_depth: float
-) -> NDArray[np.complex128]:
-    """See `padstudio.vision.directions`: one complex coherence a normal, (H,)."""
-    out = np.zeros(len(normals), np.complex128)
-    depth = np.empty(len(rays))
-    for h in range(len(normals)):
-        n0, n1, n2 = normals[h]
-        a0, a1, a2 = firsts[h]
-        b0, b1, b2 = n1 * a2 - n2 * a1, n2 * a0 - n0 * a2, n0 * a1 - n1 * a0
-        deepest, front = 1e-3, 0
-        for e in range(len(rays)):
-            d = rays[e, 0] * n0 + rays[e, 1] * n1 + rays[e, 2] * n2
-            depth[e] = d
-            deepest = max(deepest, d)
-            front += d > least_depth
-        real = imaginary = squares = nearness = 0.0
-        for e in range(len(rays)):
-            if depth[e] <= 0:
-                continue
-            near = (depth[e] / deepest) ** 2
-            x = -(lines[e, 0] * b0 + lines[e, 1] * b1 + lines[e, 2] * b2)
-            y = lines[e, 0] * a0 + lines[e, 1] * a1 + lines[e, 2] * a2
-            size2 = max(x * x + y * y, 1e-9)
-            weight = min(depth[e] / size2, most_weight)
-            u, v = (x * x - y * y) / size2, 2 * x * y / size2
-            real += near * weight * (u * u - v * v)
-            imaginary += near * weight * 2 * u * v
-            squares += near * weight * weight
-            nearness += near
-        norm = math.sqrt(squares * nearness)
-        if norm > 1e-9:
-            share = front / len(rays)
-            out[h] = complex(real / norm * share, imaginary / norm * share)
-    return out
 
 
 @jit

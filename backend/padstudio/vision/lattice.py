@@ -21,6 +21,8 @@ _GROWTH = 1.5
 _NEAR = 0.14
 _GATE = 0.25
 _SETTLING = 4
+# Fewer edges of a family than this do not tell its lines.
+_LEAST_EDGES = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,22 +126,11 @@ def _fit(
     hold: float = 1.0,
 ) -> Array | None:
     """One step of least squares for the eight numbers of the map, given the nearest lines."""
-    column, row = _coordinates(fit, u, v)
-    rows, targets, weights = [], [], []
-    for axis, (value, on) in enumerate(((column, on_u), (row, on_v))):
-        line = np.round(value)
-        off = value - line
-        use = on & (np.abs(off) < _GATE)
-        if int(use.sum()) < 6:
-            return None
-        a = np.zeros((int(use.sum()), 8))
-        a[:, 3 * axis : 3 * axis + 3] = np.stack([u[use], v[use], np.ones(len(a))], axis=1)
-        a[:, 6] = -line[use] * u[use]
-        a[:, 7] = -line[use] * v[use]
-        rows.append(a)
-        targets.append(line[use])
-        weights.append(1 / (1 + (off[use] / 0.08) ** 2))
-    a, b, w = np.concatenate(rows), np.concatenate(targets), np.concatenate(weights)
+    from padstudio.vision import kernels_search as kernels
+
+    normal, right, least = kernels.lattice_equations(fit, u, v, on_u, on_v, _GATE)
+    if least < _LEAST_EDGES:
+        return None
     # What few cells cannot tell (shear, convergence) is held at its last value.
     stiff = np.full(8, 1e-6)
     stiff[[1, 3]] = 4.0 * radius**2
@@ -147,8 +138,7 @@ def _fit(
     stiff[6:] = 40.0 * radius**4 / max(1.0, (radius / 6) ** 2)
     stiff[:] *= hold
     current = np.concatenate([fit[0], fit[1], fit[2, :2]])
-    normal = (a * w[:, None]).T @ a + np.diag(stiff)
-    solved = np.linalg.solve(normal, (a * w[:, None]).T @ b + stiff * current)
+    solved = np.linalg.solve(normal + np.diag(stiff), right + stiff * current)
     out = np.array([solved[:3], solved[3:6], [solved[6], solved[7], 1.0]])
     return out if np.linalg.det(out) > 0.2 else None
 
