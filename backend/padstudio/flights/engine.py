@@ -123,6 +123,14 @@ class Engine:
             if addresses:
                 client.restart_workers(addresses, timeout=30, raise_for_error=False)
 
+    def tend(self) -> None:
+        """Replace workers here that died while they started, which their nannies do not survive."""
+        cluster, client = self._cluster, self._client
+        if cluster is None or client is None or client.status != "running":
+            return
+        if len(cluster.scheduler_info["workers"]) < self._options.workers:
+            cluster.loop.add_callback(_replace_failed, cluster, self._options.workers)
+
     def worker_pids(self) -> list[int]:
         """Process ids of the workers, for tests and for who watches over them."""
         return list(self._started().run(os.getpid).values())
@@ -198,6 +206,16 @@ class Engine:
         with contextlib.suppress(Exception):
             future.release()
         ended(outcome)
+
+
+def _replace_failed(cluster: Any, workers: int) -> None:
+    """Forget nannies that ended, and start others; in the cluster's own thread."""
+    from distributed.core import Status
+
+    for name, nanny in list(cluster.workers.items()):
+        if nanny.status in (Status.failed, Status.closed):
+            del cluster.workers[name]
+    cluster.scale(workers)
 
 
 def security_of(options: EngineOptions) -> Any:

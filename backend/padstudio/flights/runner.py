@@ -78,6 +78,8 @@ class Runner:
                 self._stop_unwanted()
                 if not self._flights.purge():
                     self._fill()
+                if self._at_work:
+                    self._engine.tend()
             except SQLAlchemyError:
                 logger.exception("the database cannot be used; trying again")
                 self._closing.wait(_RETRY_S)

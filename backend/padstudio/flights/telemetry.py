@@ -109,10 +109,10 @@ def parse_srt(text: str) -> Telemetry:
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     cues = list(_CUE.finditer(text))
-    ends = [cue.start() for cue in cues[1:]] + [len(text)]
+    ends = [*(cue.start() for cue in cues), len(text)][1:]
     telemetry = _collect(
         (_seconds(cue.groups()[:4]), text[cue.end() : end])
-        for cue, end in zip(cues, ends, strict=True)
+        for cue, end in zip(cues, ends, strict=False)
     )
     if not telemetry.samples:
         raise TelemetryError(
