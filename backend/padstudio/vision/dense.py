@@ -12,6 +12,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.choose import Choice, choose
+from padstudio.vision.covariance import with_picture_shift
 from padstudio.vision.crosstalk import unmix
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
@@ -94,7 +95,7 @@ class Dense:
             if isinstance(found, WholeSign):
                 if recorder.keep:
                     recorder.append(explain(frame, region, [found.read], None))
-                return _whole(found)
+                return _whole(found, frame.camera.focal_px)
         return None
 
     def _miss(
@@ -130,8 +131,7 @@ class Dense:
         A near miss must not pass for a lock, so every layer that can be read has to agree.
         """
         pyramid, camera = self._prepare(bgr, recorder)
-        motion = expected.pose if expected.known else None
-        refiner = Refiner(pyramid, camera, self.pad, self.params, 0, motion)
+        refiner = Refiner(pyramid, camera, self.pad, self.params, 0, expected.motion)
         measurement = recorder.run("pose", None, _best_of, refiner, [expected.pose], np.inf)
         detection, reads = self._judge(refiner, measurement, recorder)
         for read in reads:
@@ -216,7 +216,7 @@ def _unfit(measurement: Measurement | None) -> StageFailure | None:
     return None
 
 
-def _whole(found: WholeSign) -> Detection:
+def _whole(found: WholeSign, focal_px: float) -> Detection:
     fit, evidence = found.fit, found.read.evidence
     return Detection(
         pose=fit.pose.pose,
@@ -225,13 +225,14 @@ def _whole(found: WholeSign) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit),
+        uncertainty=_uncertainty(fit, focal_px),
     )
 
 
-def _uncertainty(fit: Fit) -> Uncertainty:
-    sigma = np.sqrt(np.diag(fit.covariance))
-    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), fit.covariance)
+def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
+    covariance = with_picture_shift(fit.covariance + np.outer(fit.doubt, fit.doubt), focal_px)
+    sigma = np.sqrt(np.diag(covariance))
+    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
 
 
 def _detection(measurement: Measurement, choice: Choice) -> Detection:
@@ -243,7 +244,7 @@ def _detection(measurement: Measurement, choice: Choice) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit),
+        uncertainty=_uncertainty(fit, measurement.camera.focal_px),
         shift_mm=fit.pose.shift_mm,
         turn_rad=fit.pose.turn,
     )

@@ -53,7 +53,7 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
     region : Region
         As of `padstudio.vision.regions.find_regions`.
     """
-    camera, pad = refiner.camera, refiner.pad
+    camera, pad, rolling = refiner.camera, refiner.pad, refiner.params.refine.motion
     shape = sharper(refiner.pyramid, pad, region)
     outline = find_outline(refiner.pyramid, camera, pad, shape)
     if isinstance(outline, StageFailure):
@@ -67,7 +67,9 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
         for start in (planar.pose, planar.other):
             if start is None:
                 continue
-            fit = align(refiner.pyramid, camera, pad, MovingPose(start), motion=False)
+            fit = align(
+                refiner.pyramid, camera, pad, MovingPose(start), motion=False, rolling=rolling
+            )
             read = None if fit is None else refiner.read(coarse, fit.pose, places=4)
             if fit is None or read is None:
                 continue

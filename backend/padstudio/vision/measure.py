@@ -19,7 +19,7 @@ from padstudio.vision.align import align
 from padstudio.vision.borders import Borders, Measured, concatenate, layer_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
-from padstudio.vision.motion import MovingPose
+from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planes import Box, Pyramid
 from padstudio.vision.refine import Fit, better_of, fit_pose
@@ -110,8 +110,8 @@ class Refiner:
     attempts : int
         How many lattices were tried all over the pad before the first pose; it weakens the
         evidence. 0 where the pose was expected: then only places near by compete.
-    motion : MovingPose or None
-        A pose whose change within the frame is known.
+    motion : KnownMotion or None
+        The change within the frame, where it is known.
     """
 
     pyramid: Pyramid
@@ -119,7 +119,7 @@ class Refiner:
     pad: Pad
     params: DetectorParams
     attempts: int
-    motion: MovingPose | None = None
+    motion: KnownMotion | None = None
 
     def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
         """Readable layers, the coarse ones first, each with the pose that it led to.
@@ -177,17 +177,19 @@ class Refiner:
             return None
         motion = not fit.pose.still
         full = fit_pose(
-            fit.pose, measured, self.camera, motion=motion, iterations=2, known=self.motion
-        )
-        return full or fit
+            fit.pose, measured, self.camera, motion=motion, iterations=2, known=self.motion,
+            rolling=self.params.refine.motion,
+        )  # fmt: skip
+        return replace(full, doubt=fit.doubt) if full else fit
 
     def _align(self, start: MovingPose) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
         pyramid, camera, pad = self.pyramid, self.camera, self.pad
         if self.motion is not None and self.params.refine.motion:
             return align(pyramid, camera, pad, start, motion=True, known=self.motion)
-        still = align(pyramid, camera, pad, start, motion=False)
-        if still is None or not self.params.refine.motion:
+        rolling = self.params.refine.motion
+        still = align(pyramid, camera, pad, start, motion=False, rolling=rolling)
+        if still is None or not rolling:
             return still
         return better_of(still, align(pyramid, camera, pad, still.pose, motion=True))
 

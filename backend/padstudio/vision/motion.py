@@ -21,6 +21,23 @@ def cross(a: Array, b: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+class KnownMotion:
+    """How a pose changes while its frame is read, known from the frames before.
+
+    Attributes
+    ----------
+    shift_mm, turn : (3,) float64
+        As of `MovingPose`.
+    climb_sigma_mm : float
+        One standard deviation of the change of height.
+    """
+
+    shift_mm: Array
+    turn: Array
+    climb_sigma_mm: float
+
+
+@dataclass(frozen=True, eq=False)
 class MovingPose:
     """The pose at the frame's middle row and its change from top to bottom.
 
@@ -97,6 +114,11 @@ class MovingPose:
         if len(step) == 6:
             return MovingPose(pose, self.shift_mm, self.turn)
         return MovingPose(pose, self.shift_mm + step[6:9], self.turn + step[9:12])
+
+    def step_to(self, other: MovingPose) -> Array:
+        """The step (6,) of `moved` that leads to another's pose."""
+        turn = cv2.Rodrigues(self.pose.rotation.T @ other.pose.rotation)[0].ravel()
+        return np.concatenate([other.pose.position_mm - self.pose.position_mm, turn])
 
 
 def _project(camera: Camera, points: Array) -> Array:

@@ -7,14 +7,15 @@ lets the pose change steadily from top to bottom; it is taken only where the res
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.vision.borders import Measured
-from padstudio.vision.motion import MovingPose
+from padstudio.vision.covariance import pose_covariance, sums_by_tile, tiles_of
+from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.types import Array
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
@@ -23,6 +24,9 @@ from padstudio.vision.types import Array
 _SHIFT_SIGMA, _CLIMB_SIGMA, _TURN_SIGMA = 0.005, 0.0005, 0.004
 # A known motion is held to this many times more tightly, in variances.
 _KNOWN_MOTION = 4.0
+# What a change of height may really be, where nobody knows; it enters the covariance.
+_CLIMB_CONSIDERED = 0.005
+_CLIMB = 8
 # The moving model must lower the sum of squares by this many variances, six being free.
 _MOTION_GAIN = 40.0
 
@@ -40,12 +44,16 @@ class Fit:
         Centre (mm, pad frame) then attitude (radians, camera axes).
     inliers : (N,) bool
         Which of the measured borders count.
+    doubt : (6,) float64
+        By how much the model that was not chosen disagrees, in the covariance's units, as far as
+        it may be right.
     """
 
     pose: MovingPose
     rms_px: float
     covariance: Array
     inliers: NDArray[np.bool_]
+    doubt: Array = field(default_factory=lambda: np.zeros(6))
 
 
 def fit_pose(
@@ -55,7 +63,8 @@ def fit_pose(
     *,
     motion: bool,
     iterations: int = 4,
-    known: MovingPose | None = None,
+    known: KnownMotion | None = None,
+    rolling: bool = True,
 ) -> Fit | None:
     """Fit a pose to measured borders by robust Gauss–Newton.
 
@@ -67,8 +76,10 @@ def fit_pose(
     motion : bool
         Let the pose change within the frame.
     iterations : int
-    known : MovingPose or None
-        A pose whose change within the frame this one's should be near to.
+    known : KnownMotion or None
+        What the change within the frame should be near to.
+    rolling : bool
+        The shutter may roll, so that an unseen change of height enters the covariance.
 
     Returns
     -------
@@ -98,14 +109,19 @@ def fit_pose(
         if not np.isfinite(step).all():
             return None
         pose = pose.moved(step)
-    residual = _linearize(pose, measured, rays, moment, camera.focal_px)[:, 0]
+    rows = _linearize(pose, measured, rays, moment, camera.focal_px)
+    residual = rows[:, 0]
     inliers = np.abs(residual) < 4 * sigma
     if inliers.sum() < 10:
         return None
     trust = measured.weight[inliers]
     rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
-    covariance = np.asarray(np.linalg.inv(normal)[:6, :6], float)
-    return Fit(pose, rms, covariance, inliers)
+    trust = measured.weight / (1 + (residual / (2.5 * sigma)) ** 2) ** 2 / sigma**2
+    normal = kernels.normal_equations(rows, moment, trust, 12)[0]
+    jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
+    scores = sums_by_tile(jacobian * (trust * residual)[:, None], tiles_of(measured.xy))
+    covariance = prior.covariance(normal, scores, rolling=rolling)
+    return None if covariance is None else Fit(pose, rms, covariance, inliers)
 
 
 def better_of(still: Fit, moving: Fit | None) -> Fit:
@@ -114,7 +130,10 @@ def better_of(still: Fit, moving: Fit | None) -> Fit:
         return still
     count = int(still.inliers.sum())
     gain = count * (still.rms_px**2 / max(moving.rms_px, 1e-6) ** 2 - 1)
-    return moving if gain > _MOTION_GAIN else still
+    if gain > _MOTION_GAIN:
+        return moving
+    doubt = still.pose.step_to(moving.pose) * np.sqrt(max(gain, 0.0) / _MOTION_GAIN)
+    return replace(still, doubt=doubt)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,13 +145,17 @@ class MotionPrior:
     weight : (6,) or (12,) float64
         Inverse variances of the parameters.
     expected : (6,) or (12,) float64
+    climb_sigma : float
+        What the change of height may really be off by, mm. Change of height looks like tilt, so
+        the pose is found as if it were known, but it is no surer than that.
     """
 
     weight: Array
     expected: Array
+    climb_sigma: float
 
     @classmethod
-    def of(cls, start: MovingPose, known: MovingPose | None, size: int) -> MotionPrior:
+    def of(cls, start: MovingPose, known: KnownMotion | None, size: int) -> MotionPrior:
         """The prior at a height, round no motion or a known one."""
         height = max(abs(float(start.pose.position_mm[2])), 1.0)
         weight, expected = np.zeros(12), np.zeros(12)
@@ -142,12 +165,36 @@ class MotionPrior:
         if known is not None:
             weight *= _KNOWN_MOTION
             expected[6:9], expected[9:] = known.shift_mm, known.turn
-        return cls(weight[:size], expected[:size])
+        climb_sigma = _CLIMB_CONSIDERED * height if known is None else known.climb_sigma_mm
+        return cls(weight[:size], expected[:size], climb_sigma)
 
     def pull(self, pose: MovingPose) -> Array:
         """The prior's part of the right side of the normal equations."""
         now = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[: len(self.weight)]
         return np.asarray(self.weight * (self.expected - now))
+
+    def covariance(self, normal: Array, scores: Array, *, rolling: bool) -> Array | None:
+        """Covariance (6, 6) of the pose, or None where it is undetermined.
+
+        Parameters
+        ----------
+        normal : (12, 12) float64
+            Of the residuals alone, for a pose that changes.
+        scores : (T, 6) or (T, 12) float64
+            As of `padstudio.vision.covariance.pose_covariance`.
+        rolling : bool
+        """
+        size = len(self.weight)
+        pull = np.diag(np.sqrt(self.weight))
+        if size > _CLIMB:
+            pull[_CLIMB] *= max(1.0, self.climb_sigma * np.sqrt(self.weight[_CLIMB]))
+        elif rolling:
+            pull = np.column_stack([pull, normal[:size, _CLIMB] * self.climb_sigma])
+        inner = normal[:size, :size] + np.diag(self.weight)
+        try:
+            return pose_covariance(inner, scores, pull)[:6, :6]
+        except np.linalg.LinAlgError:
+            return None
 
 
 def _linearize(

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from padstudio.geometry.pose import Pose
-from padstudio.vision.motion import MovingPose
+from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.types import Array, Detection
 
 # Sums of the share's least squares are forgotten by this factor a frame.
@@ -22,6 +22,8 @@ _MEMORY = 0.98
 # The share is used once it is known to about this.
 _KNOWN = 0.08
 _LEAST_FRAMES = 4
+# A known change of height may be off by this share of the height.
+_LEAST_CLIMB = 0.0001
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,12 @@ class Expectation:
     Attributes
     ----------
     pose : MovingPose
-    known : bool
-        True where its change within the frame is known rather than guessed at zero.
+    motion : KnownMotion or None
+        Its change within the frame, where that is known rather than guessed at zero.
     """
 
     pose: MovingPose
-    known: bool
+    motion: KnownMotion | None = None
 
 
 class Tracker:
@@ -53,13 +55,24 @@ class Tracker:
             return None
         last = self._past[-1]
         if len(self._past) < 2:
-            return Expectation(MovingPose(last), known=False)
+            return Expectation(MovingPose(last))
         shift, turn = _step(self._past[-2], last)
         pose = Pose(last.position_mm + shift, last.rotation @ _rotation(turn))
         share = self._share()
         if share is None:
-            return Expectation(MovingPose(pose), known=False)
-        return Expectation(MovingPose(pose, share * shift, share * turn), known=True)
+            return Expectation(MovingPose(pose))
+        motion = KnownMotion(share * shift, share * turn, self._climb_sigma(share, shift))
+        return Expectation(MovingPose(pose, motion.shift_mm, motion.turn), motion)
+
+    def _climb_sigma(self, share: float, shift: Array) -> float:
+        """How far the change of height in a frame may be off, mm.
+
+        The share is not known exactly, and the climb may go on changing as it did.
+        """
+        before = _step(self._past[0], self._past[1])[0] if len(self._past) > 2 else shift
+        floor = _LEAST_CLIMB * float(self._past[-1].position_mm[2])
+        parts = (_KNOWN / 2 * shift[2], 1.5 * share * (shift[2] - before[2]), floor)
+        return float(np.linalg.norm(parts))
 
     def learn(self, detection: Detection) -> None:
         """Take a frame's detection into account."""
@@ -68,7 +81,7 @@ class Tracker:
             return
         if self._past and detection.shift_mm is not None and detection.turn_rad is not None:
             self._compare(detection.pose, detection.shift_mm, detection.turn_rad)
-        self._past = [*self._past[-1:], detection.pose]
+        self._past = [*self._past[-2:], detection.pose]
 
     def _compare(self, pose: Pose, shift_mm: Array, turn_rad: Array) -> None:
         """Least squares for the share: motion within the frame over motion between frames."""

@@ -1,0 +1,83 @@
+"""How sure a fitted pose is, from its residuals as they are rather than as they should be.
+
+Residuals near each other in the picture are alike: they share pixels, blocks of compression, what
+the lens model leaves over. Taken for independent they promise too much. So the picture is divided
+into tiles, and the scatter of the tiles' sums of scores stands for that of single residuals.
+
+References
+----------
+Liang, K.-Y. and Zeger, S. L. (1986). Longitudinal data analysis using generalized linear models.
+doi:10.1093/biomet/73.1.13. Schmidt, S. F. (1966). Application of state-space methods to navigation
+problems: parameters that are not estimated, but considered.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.vision.types import Array
+
+#: Tiles a side over what was measured.
+TILES = 8
+# Scatter over what independent residuals would have; fewer tiles than needed may show less.
+_LEAST_SCATTER = 0.5
+# Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
+_PICTURE_SHIFT_PX = 0.04
+
+
+def tiles_of(xy: Array) -> NDArray[np.intp]:
+    """The tile, 0 … TILES² − 1, in which each of some pixels (N, 2) lies."""
+    low, high = xy.min(axis=0), xy.max(axis=0)
+    at = ((xy - low) * (TILES / np.maximum(high - low, 1e-9))).astype(np.intp).clip(0, TILES - 1)
+    return np.asarray(at[:, 1] * TILES + at[:, 0], np.intp)
+
+
+def sums_by_tile(rows: Array, tile: NDArray[np.intp]) -> Array:
+    """Sums of rows (N, K) over tiles, (TILES², K)."""
+    out = np.empty((TILES * TILES, rows.shape[1]))
+    for k in range(rows.shape[1]):
+        out[:, k] = np.bincount(tile, rows[:, k], TILES * TILES)
+    return out
+
+
+def pose_covariance(normal: Array, scores: Array, pull: Array) -> Array:
+    """Covariance of the solution of normal equations.
+
+    Parameters
+    ----------
+    normal : (K, K) float64
+        Inverse covariance if all residuals were independent and as large as assumed, with what is
+        known beforehand.
+    scores : (T, K) float64
+        Sums over tiles of the gradients of single residuals at the solution.
+    pull : (K, M) float64
+        What one standard deviation of each of M things that are not measured adds to the right
+        side: of what is known beforehand, and of what the model leaves out.
+
+    Returns
+    -------
+    (K, K) float64
+        Nowhere below half the inverse of ``normal``.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If ``normal`` is not positive definite.
+    """
+    lower = np.linalg.cholesky(normal)
+    size, used = len(normal), int(np.count_nonzero(np.abs(scores).sum(axis=1)))
+    white = np.linalg.solve(lower, np.column_stack([scores.T, pull]))
+    seen, unseen = white[:, : len(scores)], white[:, len(scores) :]
+    # The fit makes the sums smaller than they would be about the truth.
+    scatter = seen @ seen.T * (used / max(used - size, 1)) + unseen @ unseen.T
+    values, vectors = np.linalg.eigh(scatter)
+    spread = np.linalg.solve(lower.T, vectors * np.sqrt(np.maximum(values, _LEAST_SCATTER)))
+    return np.asarray(spread @ spread.T)
+
+
+def with_picture_shift(covariance: Array, focal_px: float) -> Array:
+    """A pose's covariance (6, 6) with what moves all of a picture alike: a turn of the camera."""
+    out = covariance.copy()
+    out[[3, 4], [3, 4]] += (_PICTURE_SHIFT_PX / focal_px) ** 2
+    return out
