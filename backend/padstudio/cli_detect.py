@@ -1,4 +1,4 @@
-"""``padstudio detect``: poses of many frames, as JSON lines; ``padstudio cameras``."""
+"""``padstudio detect``: poses of stills and videos, as JSON lines; ``padstudio cameras``."""
 
 from __future__ import annotations
 
@@ -24,12 +24,15 @@ from padstudio.cli_support import (
     show_error,
 )
 
+Figures = dict[str, Any]
+
 EXIT_NOTHING_FOUND = 1
 # Below this many frames a process, starting it costs more than it saves.
 _FRAMES_PER_JOB = 4
 
 _EXAMPLES = (
-    "Examples: [bold]padstudio detect --pad pad.json --camera camera.yaml frames/ -o poses.jsonl[/]"
+    "Examples: [bold]padstudio detect --pad pad.json --camera camera.yaml frames/ flight.mp4 "
+    "-o poses.jsonl --resume[/]"
     " · [bold]padstudio detect --pad pad.json --camera preset-dji-mini-27k 'flight/**/*.jpg' -o - "
     "| jq .position_mm[/]"
 )
@@ -44,7 +47,7 @@ def register(app: typer.Typer) -> None:
 def detect(
     frames: Annotated[
         list[str],
-        typer.Argument(help="Pictures, folders of pictures, or patterns such as **/*.jpg."),
+        typer.Argument(help="Pictures, videos, folders, or patterns such as **/*.jpg."),
     ],
     pad: Annotated[Path, typer.Option(help="Pad file.")],
     camera: Annotated[
@@ -61,68 +64,102 @@ def detect(
         int,
         typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
     ] = 0,
+    stride: Annotated[int, typer.Option(min=1, help="Read every n-th frame of videos.")] = 1,
+    apply_rotation: Annotated[
+        bool, typer.Option(help="Turn videos as their rotation flag says.")
+    ] = True,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an existing file: read what it lacks.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")] = False,
 ) -> None:
     """Find the pad in frames and write their poses, one JSON object a line.
 
     A frame that cannot be read is one line with status failed, and one on stderr; the others go on.
-    EXIF orientation is not applied, as calibrations are of the sensor's own frame.
+    A run that was broken off goes on with --resume and the same arguments. EXIF orientation of
+    stills is not applied, as calibrations are of the sensor's own frame.
 
     The exit code is 0 if at least one frame gave a pose, 1 if none did, 2 for wrong input.
     """
-    from padstudio.flights.batch import detect_stills
-    from padstudio.flights.sources import find_stills
+    from padstudio.flights import batch
+    from padstudio.flights.detectors import Recipe
+    from padstudio.flights.sources import find_frames
+    from padstudio.geometry import camera_files
+    from padstudio.pad import files as pad_files
 
     if not os.environ.get("PADSTUDIO_DEBUG"):
         # A defect is one line like other errors; its traceback is for who looks for it.
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
-    the_pad, the_camera = load_pad(pad), load_camera(camera)
-    paths = find_stills(frames)
+    the_camera = load_camera(camera)
+    recipe = Recipe(pad_files.dumps(load_pad(pad)), camera_files.to_ros_yaml(the_camera), method)
+    paths = find_frames(frames)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
-    records = []
-    with _writer(output, force=force) as file, progress_bar() as progress:
-        task = progress.add_task("Detecting", total=len(paths))
-        for record in detect_stills(
-            paths, the_pad, the_camera, method=method, jobs=_jobs(jobs, len(paths))
-        ):
-            file.write(json.dumps(record, ensure_ascii=False) + "\n")
-            file.flush()
-            if record.get("stage") == "read":
-                show_error(f"{record['source']}: {record['detail']}", record["reason"])
-            records.append(_figures(record))
+    with _writer(output, resume=resume, force=force) as (file, earlier), progress_bar() as progress:
+        pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
+        total = sum(len(piece.numbers) for piece in pieces)
+        outcomes = list(earlier.values())
+        task = progress.add_task("Detecting", total=total, completed=len(outcomes))
+        for record in batch.detect(pieces, jobs=_jobs(jobs, total, len(pieces)), done=earlier):
+            outcomes.append(_write(record, file))
             progress.advance(task)
     if not quiet:
-        _show_summary(records)
-    if not any(figures["ok"] for figures in records):
+        _show_summary(outcomes)
+    if not any(figures["ok"] for figures in outcomes):
         raise typer.Exit(EXIT_NOTHING_FOUND)
 
 
-def _jobs(asked: int, frames: int) -> int:
-    return asked or max(1, min(os.cpu_count() or 1, frames // _FRAMES_PER_JOB))
+def _write(record: dict[str, Any], file: IO[str]) -> Figures:
+    file.write(json.dumps(record, ensure_ascii=False) + "\n")
+    file.flush()
+    if record.get("stage") == "read":
+        show_error(f"{record['source']}: {record['detail']}", record["reason"])
+    return _figures(record)
+
+
+def _jobs(asked: int, frames: int, pieces: int) -> int:
+    return asked or max(1, min(os.cpu_count() or 1, frames // _FRAMES_PER_JOB, pieces))
 
 
 @contextmanager
-def _writer(output: str, *, force: bool) -> Iterator[IO[str]]:
+def _writer(
+    output: str, *, resume: bool, force: bool
+) -> Iterator[tuple[IO[str], dict[tuple[str, int], Figures]]]:
+    """The file to write to, and the figures of the frames that it holds already."""
+    if resume and (output == "-" or force):
+        raise typer.BadParameter("--resume goes on with the file of -o; it excludes --force")
     if output == "-":
-        yield sys.stdout
+        yield sys.stdout, {}
         return
     path = Path(output)
-    check_output(path, force=force)
-    with path.open("w", encoding="utf-8") as file:
-        yield file
+    earlier: dict[tuple[str, int], Figures] = {}
+    if resume and path.exists():
+        earlier = _earlier(path)
+    else:
+        check_output(path, force=force)
+    with path.open("a" if earlier else "w", encoding="utf-8") as file:
+        yield file, earlier
 
 
-def _figures(record: dict[str, Any]) -> dict[str, Any]:
+def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
+    """What a poses file holds; a last line that was cut off is cut away."""
+    from padstudio.flights.poses_file import cut_unfinished_line, read_poses
+
+    cut_unfinished_line(path)
+    return {(record["source"], record["frame"]): _figures(record) for record in read_poses(path)}
+
+
+def _figures(record: dict[str, Any]) -> Figures:
     """What the summary needs of a record, so that a long run does not keep them all."""
     ok = record["status"] == "ok"
-    outcome = f"pose by {record['layer']}" if ok else f"failed at {record['stage']}"
+    outcome = f"pose by {record.get('layer')}" if ok else f"failed at {record['stage']}"
     why = "" if ok else record["reason"]
-    return {"ok": ok, "outcome": (outcome, why), "ms": record["elapsed_ms"].get("total")}
+    elapsed_ms = record.get("elapsed_ms") or {}
+    return {"ok": ok, "outcome": (outcome, why), "ms": elapsed_ms.get("total")}
 
 
-def _show_summary(records: list[dict[str, Any]]) -> None:
+def _show_summary(records: list[Figures]) -> None:
     from rich.console import Console
     from rich.table import Table
 

@@ -4,16 +4,25 @@ from pathlib import Path
 
 import pytest
 
-from padstudio import Camera, Pad
 from padstudio.flights import batch
+from padstudio.flights.detectors import Recipe
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "samples"
+FOOTAGE = ROOT / "tests" / "footage"
+LANDING = FOOTAGE / "flights" / "landing.mp4"
+
+
+def recipe(folder, pad, camera):
+    return Recipe((folder / pad).read_text(), (folder / camera).read_text())
+
+
+SAMPLE = recipe(SAMPLES, "pad.json", "camera.yaml")
+LANDED = recipe(FOOTAGE, "pad_a.json", "camera_drone_2k7.yaml")
 
 
 def detect(names, **options):
-    pad, camera = Pad.load(SAMPLES / "pad.json"), Camera.load(SAMPLES / "camera.yaml")
-    return list(batch.detect_stills([SAMPLES / name for name in names], pad, camera, **options))
+    return list(batch.detect(batch.plan([SAMPLES / name for name in names], SAMPLE), **options))
 
 
 def test_records_agree_with_the_truth():
@@ -38,7 +47,7 @@ def die(*_arguments):
 
 def test_a_worker_that_dies_costs_one_record(monkeypatch):
     # The function goes to the worker by name, so the name of one that ends its process is sent.
-    real = batch._detect_alone
+    real = batch._run_alone
     calls = iter([real, die, real])
 
     class Pool(batch.WorkerPool):
@@ -58,9 +67,49 @@ def test_more_frames_than_may_wait():
 
 
 def test_a_consumer_that_stops_early_ends_the_workers():
-    pad, camera = Pad.load(SAMPLES / "pad.json"), Camera.load(SAMPLES / "camera.yaml")
-    records = batch.detect_stills([SAMPLES / "truth.json"] * 40, pad, camera, jobs=2)
+    records = batch.detect(batch.plan([SAMPLES / "truth.json"] * 40, SAMPLE), jobs=2)
     next(records)
     records.close()
     with pytest.raises(StopIteration):
         next(records)
+
+
+def test_a_video_is_read_in_pieces_with_its_own_times():
+    pieces = batch.plan([LANDING], LANDED, stride=20)
+    assert [number for piece in pieces for number in piece.numbers] == [0, 20, 40]
+    records = list(batch.detect(pieces))
+    truth = json.loads(LANDING.with_suffix(".truth.json").read_text(encoding="utf-8"))
+    for record in records:
+        assert record["source"] == LANDING.as_posix()
+        assert record["time_s"] == pytest.approx(record["frame"] / 30, abs=1e-6)
+        true = truth["frames"][record["frame"]]["position_mm"]
+        assert record["position_mm"] == pytest.approx(true, abs=0.02 * true[2])
+        assert "covariance" not in record
+    assert [record["frame"] for record in records] == [0, 20, 40]
+
+
+def test_done_frames_are_left_out():
+    pieces = batch.plan([LANDING, SAMPLES / "truth.json"], LANDED, stride=20)
+    done = {(LANDING.as_posix(), 0), (LANDING.as_posix(), 20), (LANDING.as_posix(), 40)}
+    records = list(batch.detect(pieces, done=done))
+    assert [record["source"] for record in records] == [(SAMPLES / "truth.json").as_posix()]
+
+
+def test_a_video_that_is_none_costs_one_record(tmp_path):
+    path = tmp_path / "a.mp4"
+    path.write_text("no video")
+    (record,) = batch.detect(batch.plan([path], SAMPLE))
+    assert (record["stage"], record["reason"]) == ("read", "not_a_video")
+    assert not record["detail"].startswith(path.as_posix())
+
+
+def test_a_worker_that_dies_costs_the_frames_of_its_piece(monkeypatch):
+    class Pool(batch.WorkerPool):
+        def submit(self, function, *arguments, timeout_s):
+            return super().submit(die, *arguments, timeout_s=timeout_s)
+
+    monkeypatch.setattr(batch, "WorkerPool", Pool)
+    records = list(batch.detect(batch.plan([LANDING], LANDED, stride=20), jobs=2))
+    assert [record["frame"] for record in records] == [0, 20, 40]
+    assert {record["reason"] for record in records} == {"worker_crashed"}
+    assert records[2]["time_s"] == pytest.approx(40 / 30, abs=1e-6)

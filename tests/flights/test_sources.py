@@ -1,12 +1,20 @@
 import pytest
 
 from padstudio.errors import NotFoundError
-from padstudio.flights.sources import find_stills
+from padstudio.flights.sources import find_frames, is_video
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    for name in ("f10.jpg", "f2.JPG", "f1.png", "notes.txt", "deep/g1.jpg", "deep/er/h1.tif"):
+    for name in (
+        "f10.jpg",
+        "f2.JPG",
+        "f1.png",
+        "notes.txt",
+        "deep/g1.jpg",
+        "deep/er/h1.tif",
+        "clip.MP4",
+    ):
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)
         path.touch()
@@ -15,12 +23,12 @@ def folder(tmp_path, monkeypatch):
 
 
 def names(*sources):
-    return [path.as_posix() for path in find_stills(sources)]
+    return [path.as_posix() for path in find_frames(sources)]
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_folder_is_its_pictures_with_numbers_by_value():
-    assert names(".") == ["f1.png", "f2.JPG", "f10.jpg"]
+def test_a_folder_is_its_pictures_and_videos_with_numbers_by_value():
+    assert names(".") == ["clip.MP4", "f1.png", "f2.JPG", "f10.jpg"]
 
 
 @pytest.mark.usefixtures("folder")
@@ -43,12 +51,23 @@ def test_a_file_named_outright_is_taken_whatever_it_is_called():
 def test_a_file_that_looks_like_a_pattern(tmp_path):
     path = tmp_path / "f[1].jpg"
     path.touch()
-    assert find_stills([str(path)]) == [path]
+    assert find_frames([str(path)]) == [path]
 
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("source", ["gone.jpg", "gone/*.jpg", "*.txt", "folder.jpg", ""])
 def test_a_source_without_pictures_is_named(source):
-    with pytest.raises(NotFoundError, match=r"no picture there") as caught:
-        find_stills(["f1.png", source])
+    with pytest.raises(NotFoundError, match=r"no picture or video there") as caught:
+        find_frames(["f1.png", source])
     assert caught.value.message.startswith(f"{source}: ")
+
+
+@pytest.mark.usefixtures("folder")
+def test_videos_are_known_by_content_else_by_name(tmp_path):
+    (tmp_path / "notes.txt").write_bytes(b"\0\0\0\x20ftypisom" + bytes(40))
+    (tmp_path / "f2.JPG").write_bytes(b"\xff\xd8\xff")
+    (tmp_path / "photo.mp4").write_bytes(b"\xff\xd8\xff")
+    (tmp_path / "text.mov").write_text("no video")
+    found = {path.name for path in tmp_path.iterdir() if is_video(path)}
+    assert found == {"notes.txt", "clip.MP4", "text.mov"}
+    assert not is_video(tmp_path / "gone.jpg")

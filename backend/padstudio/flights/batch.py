@@ -1,76 +1,187 @@
-"""Detects the pad in many stills, in several processes, in order."""
+"""Detects the pad in many stills and videos, in several processes, in order."""
 
 from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Future
-from functools import lru_cache, partial
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import cv2
 
 from padstudio.errors import StudioError
-from padstudio.flights import images
+from padstudio.flights import images, video_index, work
+from padstudio.flights.detectors import Recipe, detector_for
+from padstudio.flights.planning import PlanTask, SourceFile
+from padstudio.flights.sources import is_video
+from padstudio.flights.tasks import FramesTask, VideoPart
 from padstudio.flights.workers import WorkerPool
-from padstudio.geometry import camera_files
-from padstudio.geometry.camera import Camera
-from padstudio.pad import files as pad_files
-from padstudio.pad.spec import Pad
-from padstudio.vision.pipeline import Detector
-from padstudio.vision.types import Method
 
 Record = dict[str, Any]
 logger = logging.getLogger(__name__)
 
-#: A frame that takes longer is given up.
+#: A still that takes longer is given up,
 FRAME_SECONDS = 120.0
+#: and frames of a video that take longer each.
+VIDEO_FRAME_SECONDS = 10.0
 _WORKER_MEMORY_BYTES = 4_000_000_000
+# Frames of a video that are followed in one go; each go begins at a keyframe.
+_CHUNK_FRAMES = 120
 
 
-def detect_stills(
-    paths: Sequence[Path], pad: Pad, camera: Camera, *, method: Method = "dense", jobs: int = 1
-) -> Iterator[Record]:
-    """Records of a poses file, one a still, in the order of the paths.
+@dataclass(frozen=True)
+class Still:
+    """A still to be read."""
 
-    A file that cannot be read, or that costs a worker its life, gives a record too: ``failed`` at
-    the stage ``read``, with the error's code as reason; likewise, as ``internal_error``, one that
-    brings a defect to light. The rest goes on.
+    path: Path
+    recipe: Recipe
+
+    def run(self, stopped: Callable[[], bool]) -> list[Record]:
+        """Its record, alone in a list; raises where it cannot be read."""
+        detection = detector_for(self.recipe).detect(images.read(self.path))
+        return [detection.to_record(self.path.as_posix())]
+
+
+@dataclass(frozen=True)
+class Unread:
+    """A video that cannot be read, and why."""
+
+    error: StudioError
+
+    def run(self, stopped: Callable[[], bool]) -> list[Record]:
+        """Raises the error."""
+        raise self.error
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Frames that are read together.
+
+    Attributes
+    ----------
+    source : str
+        As records name it.
+    numbers : range
+        Of the frames.
+    task : Still, FramesTask or Unread
+    """
+
+    source: str
+    numbers: range
+    task: Still | FramesTask | Unread
+
+    @property
+    def times_s(self) -> list[float | None]:
+        """Times of the frames in their video; None of stills."""
+        part = self.task.part if isinstance(self.task, FramesTask) else None
+        if not isinstance(part, VideoPart):
+            return [None] * len(self.numbers)
+        return [(pts - part.start_pts) * part.time_base_s for pts in part.timestamps]
+
+    @property
+    def timeout_s(self) -> float:
+        """Time for all its frames."""
+        return FRAME_SECONDS + VIDEO_FRAME_SECONDS * (len(self.numbers) - 1)
+
+
+def plan(
+    paths: Iterable[Path], recipe: Recipe, *, stride: int = 1, apply_rotation: bool = True
+) -> list[Piece]:
+    """Part stills and videos into pieces; nothing is decoded yet.
 
     Parameters
     ----------
-    paths : sequence of Path
-    pad : Pad
-    camera : Camera
-    method : {"dense", "paper"}
+    paths : iterable of Path
+    recipe : Recipe
+    stride : int
+        Read every n-th frame of videos.
+    apply_rotation : bool
+        Turn videos as their rotation flag says.
+    """
+    pieces: list[Piece] = []
+    for path in paths:
+        if is_video(path):
+            pieces += _plan_video(path, recipe, stride, apply_rotation)
+        else:
+            pieces.append(Piece(path.as_posix(), range(1), Still(path, recipe)))
+    return pieces
+
+
+def detect(
+    pieces: Sequence[Piece], *, jobs: int = 1, done: Collection[tuple[str, int]] = frozenset()
+) -> Iterator[Record]:
+    """Records of a poses file, one a frame, in the order of the pieces.
+
+    What cannot be read, or costs a worker its life, gives records too: ``failed`` at the stage
+    ``read``, with the error's code as reason; likewise, as ``internal_error``, what brings a defect
+    to light. The rest goes on.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
     jobs : int
         Worker processes; with 1 the work is done in this process.
+    done : collection of (source, frame)
+        Frames to leave out.
 
     Yields
     ------
     dict
-        As `padstudio.vision.types.Detection.to_record`.
+        As `padstudio.vision.types.Detection.to_record`; ``damaged`` where a video's decoder had to
+        fill in for missing data.
     """
-    key = (pad_files.dumps(pad), camera_files.to_ros_yaml(camera), method)
-    if jobs == 1:
-        for path in paths:
-            yield _result(path, partial(_detect_one, path, *key))
-    else:
-        yield from _in_processes(paths, key, jobs)
+    left = [piece for piece in pieces if any((piece.source, n) not in done for n in piece.numbers)]
+    for records in _in_order(left, jobs) if jobs > 1 else map(_here, left):
+        for record in records:
+            record.pop("covariance", None)
+            if (record["source"], record["frame"]) not in done:
+                yield record
 
 
-def _in_processes(
-    paths: Sequence[Path], key: tuple[str, str, Method], jobs: int
-) -> Iterator[Record]:
+def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -> list[Piece]:
+    source = path.as_posix()
+    task = PlanTask(
+        files=(SourceFile("", "video", source, str(path)),),
+        camera=recipe.camera,
+        first_frame=0,
+        end_frame=None,
+        stride=stride,
+        chunk_frames=_CHUNK_FRAMES,
+        apply_rotation=apply_rotation,
+        max_pixels=images.MAX_PIXELS,
+        max_frames=video_index.MAX_FRAMES,
+    )
+    try:
+        found = task.run(_never)
+    except StudioError as error:
+        return [Piece(source, range(1), Unread(error))]
+    return [
+        Piece(
+            source,
+            range(chunk.first_frame, chunk.first_frame + chunk.frames * stride, stride),
+            FramesTask(
+                recipe,
+                chunk.first_frame,
+                stride,
+                work.video_part(found.sources[0], chunk.pts),
+                images.MAX_PIXELS,
+            ),
+        )
+        for chunk in found.chunks
+    ]
+
+
+def _in_order(pieces: Sequence[Piece], jobs: int) -> Iterator[list[Record]]:
     ahead = 2 * jobs
     pool = WorkerPool(jobs, _WORKER_MEMORY_BYTES, max_waiting=ahead)
-    waiting: deque[tuple[Path, Future[Record]]] = deque()
+    waiting: deque[tuple[Piece, Future[list[Record]]]] = deque()
     try:
-        for path in paths:
-            future = pool.submit(_detect_alone, path, *key, timeout_s=FRAME_SECONDS)
-            waiting.append((path, future))
+        for piece in pieces:
+            future = pool.submit(_run_alone, piece.task, timeout_s=piece.timeout_s)
+            waiting.append((piece, future))
             if len(waiting) >= ahead:
                 yield _first(waiting)
         while waiting:
@@ -79,48 +190,50 @@ def _in_processes(
         pool.close()
 
 
-def _first(waiting: deque[tuple[Path, Future[Record]]]) -> Record:
-    path, future = waiting.popleft()
-    return _result(path, future.result)
+def _first(waiting: deque[tuple[Piece, Future[list[Record]]]]) -> list[Record]:
+    piece, future = waiting.popleft()
+    return _result(piece, future.result)
 
 
-def _result(path: Path, run: Callable[[], Record]) -> Record:
+def _here(piece: Piece) -> list[Record]:
+    return _result(piece, lambda: piece.task.run(_never))
+
+
+def _run_alone(task: Still | FramesTask | Unread) -> list[Record]:
+    """Detect with one thread, as there is a process for every core."""
+    cv2.setNumThreads(1)
+    return task.run(_never)
+
+
+def _result(piece: Piece, run: Callable[[], list[Record]]) -> list[Record]:
     try:
         return run()
     except StudioError as error:
-        return _unread(path, error)
+        return _unread(piece, error)
     except Exception as error:
-        logger.exception("%s brought a defect to light", path)
+        logger.exception("%s brought a defect to light", piece.source)
         defect = StudioError(f"a defect of the program: {error!r}", code="internal_error")
-        return _unread(path, defect)
+        return _unread(piece, defect)
 
 
-def _detect_alone(path: Path, pad_text: str, camera_text: str, method: Method) -> Record:
-    """Detect with one thread, as there is a process for every core."""
-    cv2.setNumThreads(1)
-    return _detect_one(path, pad_text, camera_text, method)
+def _never() -> bool:
+    """Nothing stops a task here but the end of its process."""
+    return False
 
 
-def _detect_one(path: Path, pad_text: str, camera_text: str, method: Method) -> Record:
-    detection = _detector(pad_text, camera_text, method).detect(images.read(path))
-    return detection.to_record(path.as_posix())
-
-
-@lru_cache(maxsize=1)
-def _detector(pad_text: str, camera_text: str, method: Method) -> Detector:
-    """The process's detector: its tables are built once, not once a frame."""
-    return Detector(pad_files.loads(pad_text), camera_files.loads(camera_text), method=method)
-
-
-def _unread(path: Path, error: StudioError) -> Record:
-    return {
-        "source": path.as_posix(),
-        "frame": 0,
-        "time_s": None,
-        "status": "failed",
-        "stage": "read",
-        "reason": error.error_code,
-        "detail": error.message,
-        "advice": "",
-        "elapsed_ms": {},
-    }
+def _unread(piece: Piece, error: StudioError) -> list[Record]:
+    message = error.message.removeprefix(f"{piece.source}: ")
+    return [
+        {
+            "source": piece.source,
+            "frame": number,
+            "time_s": time_s,
+            "status": "failed",
+            "stage": "read",
+            "reason": error.error_code,
+            "detail": message,
+            "advice": "",
+            "elapsed_ms": {},
+        }
+        for number, time_s in zip(piece.numbers, piece.times_s, strict=True)
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from padstudio.errors import StudioError
 
 Record = dict[str, Any]
 
+_BLOCK_BYTES = 1 << 16
+_BEGINNING = b'{"source": '
 _SHAPES = {"position_mm": 3, "quaternion_xyzw": 4}
 
 
@@ -45,6 +48,33 @@ def read_poses(path: Path) -> Iterator[Record]:
                     raise PosesFormatError(
                         f"{path.name}, line {number}: {error.message}"
                     ) from error
+
+
+def cut_unfinished_line(path: Path) -> None:
+    """Cut away a last line without its end, as a writer that was killed leaves it.
+
+    Raises
+    ------
+    PosesFormatError
+        If what would be cut away is no beginning of a record; nothing is changed then.
+    OSError
+        If the file cannot be read or written.
+    """
+    with path.open("r+b") as file:
+        keep = file.seek(0, os.SEEK_END)
+        while keep > 0:
+            start = max(0, keep - _BLOCK_BYTES)
+            file.seek(start)
+            found = file.read(keep - start).rfind(b"\n")
+            if found >= 0:
+                keep = start + found + 1
+                break
+            keep = start
+        file.seek(keep)
+        rest = file.read(len(_BEGINNING))
+        if not _BEGINNING.startswith(rest):
+            raise PosesFormatError(f"{path.name} does not end as a poses file does; name another")
+        file.truncate(keep)
 
 
 def parse_record(line: bytes) -> Record:
