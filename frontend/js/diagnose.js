@@ -234,6 +234,8 @@ async function start() {
     set({ status: { kind: "bad", text: api.messageOf(error) } });
   }
   await restore();
+  const wanted = address.get("simulate");
+  if (wanted && state.pad && state.camera) await intake.takeSimulated(wanted, state);
   void reader.work();
 }
 

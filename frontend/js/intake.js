@@ -15,7 +15,9 @@
 
 import * as api from "./api.js";
 import { namesInSample } from "./diagnoseLogic.js";
+import { framesFromQuery, parseFrames } from "./frameLogic.js";
 import { kindOfFile } from "./queueLogic.js";
+import { simulateFrames } from "./simulator.js";
 
 const HEAD_BYTES = 400;
 
@@ -74,6 +76,18 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
   return {
     takePad,
     takeCamera,
+    /**
+     * Pictures that the Plan page asks for in the address.
+     * @param {string} query
+     * @param {{pad: string, camera: string}} scene
+     */
+    takeSimulated: (query, { pad, camera }) =>
+      report("Simulating …", "", async () => {
+        const { wishes } = parseFrames(framesFromQuery(new URLSearchParams(query)));
+        if (!wishes) throw new Error("The address asks for pictures that cannot be simulated.");
+        for await (const { file } of simulateFrames(wishes, { pad, camera })) onPictures([file]);
+        return wishes.length > 1 ? `Simulated ${wishes.length} pictures.` : "Simulated the picture.";
+      }),
     takeSample: () => report("Fetching the sample …", "", importSample),
     /** Whatever was dropped: pads and cameras first, so that pictures find them. @param {File[]} files */
     async takeFiles(files) {

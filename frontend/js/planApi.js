@@ -97,6 +97,20 @@ export const planCoverage = (pad, camera, tilts, signal) =>
 
 /**
  * @param {string} id
+ * @param {string} camera
+ * @param {number[]} tilts
+ * @param {AbortSignal} signal
+ * @returns {Promise<CoverageChart>}
+ */
+export function getCoverage(id, camera, tilts, signal) {
+  const query = new URLSearchParams([
+    ["camera", camera], ...tilts.map((tilt) => ["tilt_deg", String(tilt)]),
+  ]);
+  return request("GET", `${padPath(id)}/coverage?${query}`, { signal });
+}
+
+/**
+ * @param {string} id
  * @param {{camera: string, method: string, axis: string, heights_mm: number[], values: number[],
  *   trials: number, seed: number}} wish
  * @param {AbortSignal} signal

@@ -15,12 +15,10 @@
  * @property {(chart: CoverageChart | null) => void} onChart
  */
 
-import { isAbort, messageOf } from "./api.js";
+import { makeAsker } from "./asker.js";
 import { TILTS_DEG } from "./coverageLogic.js";
 import { planCoverage, planSheets } from "./planApi.js";
 import { sheetOptions } from "./printLogic.js";
-
-const DELAY_MS = 150;
 
 /** @param {PrintDeskEvents} events */
 export function makePrintDesk({ onPlan, onChart }) {
@@ -36,41 +34,6 @@ export function makePrintDesk({ onPlan, onChart }) {
       charts.ask(shape && camera ? JSON.stringify([shape, camera]) : "", (signal) =>
         planCoverage(/** @type {PadShape} */ (shape), camera, TILTS_DEG, signal),
       );
-    },
-  };
-}
-
-/**
- * Keeps one question under way; a new one takes its place.
- * @template T
- * @param {(answer: T | null, fault: string) => void} onAnswer
- */
-function makeAsker(onAnswer) {
-  let asked = "";
-  let timer = 0;
-  /** @type {AbortController | null} */
-  let running = null;
-
-  /** @param {(signal: AbortSignal) => Promise<T>} question */
-  async function send(question) {
-    running = new AbortController();
-    try {
-      onAnswer(await question(running.signal), "");
-    } catch (error) {
-      if (!isAbort(error)) onAnswer(null, messageOf(error));
-    }
-  }
-
-  return {
-    /** @param {string} key  what is asked; empty for nothing @param {(signal: AbortSignal) => Promise<T>} question */
-    ask(key, question) {
-      if (key === asked) return;
-      const isFirst = !asked;
-      asked = key;
-      window.clearTimeout(timer);
-      running?.abort();
-      if (!key) window.setTimeout(() => onAnswer(null, ""), 0);
-      else timer = window.setTimeout(() => void send(question), isFirst ? 0 : DELAY_MS);
     },
   };
 }

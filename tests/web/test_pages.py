@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import httpx
 import pytest
 
-PAGES = ("/design", "/diagnose")
+PAGES = ("/design", "/plan", "/diagnose")
 
 
 class _Audit(HTMLParser):

@@ -28,7 +28,7 @@ class Page:
     Attributes
     ----------
     name : str
-        ``design``, ``diagnose`` or ``flights``; also the template's name.
+        ``design``, ``plan``, ``diagnose`` or ``flights``; also the template's name.
     version : str
     max_upload_bytes, max_image_pixels : int
         Limits to check before a picture is sent.
@@ -79,6 +79,11 @@ def home() -> Response:
 @router.get("/design")
 def design(request: Request) -> Response:
     return _page(request, "design")
+
+
+@router.get("/plan")
+def plan(request: Request) -> Response:
+    return _page(request, "plan")
 
 
 @router.get("/diagnose")
