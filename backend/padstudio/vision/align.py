@@ -89,10 +89,8 @@ def align(
             np.abs(step[:3]).max() * camera.focal_px < _SETTLED_PX * pose.pose.position_mm[2]
         ):
             break
-    covariance = match.covariance(pose, rolling=rolling)
-    if covariance is None:
-        return None
-    return Fit(pose, match.rms_px, covariance, np.ones(len(pixels.moment), bool))
+    everything = np.ones(len(pixels.moment), bool)
+    return Fit(pose, match.rms_px, everything, lambda: match.covariance(pose, rolling=rolling))
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,8 +183,8 @@ class _Match:
         self.rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) / px_mm
         return np.asarray(step, float) if np.isfinite(step).all() else None
 
-    def covariance(self, pose: MovingPose, *, rolling: bool) -> Array | None:
-        """Covariance (6, 6) of a solution, or None where it is undetermined."""
+    def covariance(self, pose: MovingPose, *, rolling: bool) -> Array:
+        """Covariance (6, 6) of a solution."""
         size = len(self._prior.weight)
         parts = list(self._channels(pose, 12))
         normal = sum((part.normal for part in parts), np.zeros((12, 12)))

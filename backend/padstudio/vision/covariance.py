@@ -59,21 +59,23 @@ def pose_covariance(normal: Array, scores: Array, pull: Array) -> Array:
     -------
     (K, K) float64
         Nowhere below half the inverse of ``normal``.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If ``normal`` is not positive definite.
     """
-    lower = np.linalg.cholesky(normal)
     size, used = len(normal), int(np.count_nonzero(np.abs(scores).sum(axis=1)))
-    white = np.linalg.solve(lower, np.column_stack([scores.T, pull]))
+    root = _inverse_root(normal)
+    white = root.T @ np.column_stack([scores.T, pull])
     seen, unseen = white[:, : len(scores)], white[:, len(scores) :]
     # The fit makes the sums smaller than they would be about the truth.
     scatter = seen @ seen.T * (used / max(used - size, 1)) + unseen @ unseen.T
     values, vectors = np.linalg.eigh(scatter)
-    spread = np.linalg.solve(lower.T, vectors * np.sqrt(np.maximum(values, _LEAST_SCATTER)))
+    spread = root @ (vectors * np.sqrt(np.maximum(values, _LEAST_SCATTER)))
     return np.asarray(spread @ spread.T)
+
+
+def _inverse_root(normal: Array) -> Array:
+    """(K, K), which times its transpose is the inverse of a matrix; units may differ widely."""
+    unit = 1 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    values, vectors = np.linalg.eigh(normal * np.outer(unit, unit))
+    return np.asarray(unit[:, None] * vectors / np.sqrt(np.maximum(values, 1e-14)))
 
 
 def with_picture_shift(covariance: Array, focal_px: float) -> Array:

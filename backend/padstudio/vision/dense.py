@@ -230,7 +230,7 @@ def _whole(found: WholeSign, focal_px: float) -> Detection:
 
 
 def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
-    covariance = with_picture_shift(fit.covariance + np.outer(fit.doubt, fit.doubt), focal_px)
+    covariance = with_picture_shift(fit.covariance, focal_px)
     sigma = np.sqrt(np.diag(covariance))
     return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
 

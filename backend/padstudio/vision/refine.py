@@ -7,7 +7,9 @@ lets the pose change steadily from top to bottom; it is taken only where the res
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,10 +42,10 @@ class Fit:
     pose : MovingPose
     rms_px : float
         Root mean square of the weighted residuals, frame pixels.
-    covariance : (6, 6) float64
-        Centre (mm, pad frame) then attitude (radians, camera axes).
     inliers : (N,) bool
         Which of the measured borders count.
+    find_covariance : callable
+        Makes `covariance`; few fits are ever asked for it.
     doubt : (6,) float64
         By how much the model that was not chosen disagrees, in the covariance's units, as far as
         it may be right.
@@ -51,9 +53,14 @@ class Fit:
 
     pose: MovingPose
     rms_px: float
-    covariance: Array
     inliers: NDArray[np.bool_]
+    find_covariance: Callable[[], Array]
     doubt: Array = field(default_factory=lambda: np.zeros(6))
+
+    @cached_property
+    def covariance(self) -> Array:
+        """(6, 6) float64: centre (mm, pad frame), then attitude (radians, camera axes)."""
+        return self.find_covariance() + np.outer(self.doubt, self.doubt)
 
 
 def fit_pose(
@@ -95,12 +102,11 @@ def fit_pose(
     size = 12 if motion else 6
     prior = MotionPrior.of(start, known, size)
     pose, sigma = (start if motion else MovingPose(start.pose)), 1.0
-    normal = np.eye(size)
     for _ in range(iterations):
         rows = _linearize(pose, measured, rays, moment, camera.focal_px)
         sigma = _scale(rows[:, 0], measured.weight)
-        trust = measured.weight / (1 + (rows[:, 0] / (2.5 * sigma)) ** 2) ** 2
-        normal, right = kernels.normal_equations(rows, moment, trust / sigma**2, size)
+        trust = _trust(rows[:, 0], measured.weight, sigma)
+        normal, right = kernels.normal_equations(rows, moment, trust, size)
         normal += np.diag(prior.weight)
         try:
             step = np.asarray(np.linalg.solve(normal, right + prior.pull(pose)), float)
@@ -116,12 +122,15 @@ def fit_pose(
         return None
     trust = measured.weight[inliers]
     rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
-    trust = measured.weight / (1 + (residual / (2.5 * sigma)) ** 2) ** 2 / sigma**2
-    normal = kernels.normal_equations(rows, moment, trust, 12)[0]
-    jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
-    scores = sums_by_tile(jacobian * (trust * residual)[:, None], tiles_of(measured.xy))
-    covariance = prior.covariance(normal, scores, rolling=rolling)
-    return None if covariance is None else Fit(pose, rms, covariance, inliers)
+
+    def find_covariance() -> Array:
+        trust = _trust(residual, measured.weight, sigma)
+        normal = kernels.normal_equations(rows, moment, trust, 12)[0]
+        jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
+        scores = sums_by_tile(jacobian * (trust * residual)[:, None], tiles_of(measured.xy))
+        return prior.covariance(normal, scores, rolling=rolling)
+
+    return Fit(pose, rms, inliers, find_covariance)
 
 
 def better_of(still: Fit, moving: Fit | None) -> Fit:
@@ -173,8 +182,8 @@ class MotionPrior:
         now = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[: len(self.weight)]
         return np.asarray(self.weight * (self.expected - now))
 
-    def covariance(self, normal: Array, scores: Array, *, rolling: bool) -> Array | None:
-        """Covariance (6, 6) of the pose, or None where it is undetermined.
+    def covariance(self, normal: Array, scores: Array, *, rolling: bool) -> Array:
+        """Covariance (6, 6) of the pose.
 
         Parameters
         ----------
@@ -191,10 +200,7 @@ class MotionPrior:
         elif rolling:
             pull = np.column_stack([pull, normal[:size, _CLIMB] * self.climb_sigma])
         inner = normal[:size, :size] + np.diag(self.weight)
-        try:
-            return pose_covariance(inner, scores, pull)[:6, :6]
-        except np.linalg.LinAlgError:
-            return None
+        return pose_covariance(inner, scores, pull)[:6, :6]
 
 
 def _linearize(
@@ -224,6 +230,11 @@ def _linearize(
         pose.turn,
     )
     return rows * focal_px
+
+
+def _trust(residual: Array, weight: Array, sigma: float) -> Array:
+    """Inverse variances of residuals, those that stand out trusted little."""
+    return np.asarray(weight / (1 + (residual / (2.5 * sigma)) ** 2) ** 2 / sigma**2)
 
 
 def _scale(residual: Array, weight: Array) -> float:
