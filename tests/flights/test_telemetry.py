@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import videos
 
 from padstudio.flights import telemetry
 from padstudio.flights.telemetry import Sample, TelemetryError, parse_srt
@@ -96,3 +97,19 @@ def test_heights_between_samples() -> None:
     assert telemetry.height_at(columns, [0.5, 1.0, 2.5, 3.0, 3.1]) == [None, 10, 13, 14, None]
     empty = telemetry.to_dict(telemetry.Telemetry((Sample(1.0),)))
     assert telemetry.height_at(empty, [1.0]) == [None]
+
+
+@pytest.mark.parametrize(("name", "codec"), [("a.mp4", "mov_text"), ("a.mkv", "subrip")])
+def test_telemetry_inside_a_video(name: str, codec: str, tmp_path: Path) -> None:
+    path = videos.write_with_subtitles(
+        tmp_path / name, codec, [f"[rel_alt: {n}.5 abs_alt: 40.0]" for n in range(10)]
+    )
+    found = telemetry.read_embedded(str(path))
+    assert found is not None
+    assert [sample.height_m for sample in found.samples] == [n + 0.5 for n in range(10)]
+    times = [sample.time_s for sample in found.samples]
+    assert times == pytest.approx([n / 25 for n in range(10)])
+
+
+def test_a_video_without_telemetry(tmp_path: Path) -> None:
+    assert telemetry.read_embedded(str(videos.write(tmp_path / "a.mp4", 2))) is None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -22,6 +22,11 @@ def picture(number: int, width: int = WIDTH, height: int = HEIGHT) -> NDArray[np
         bgr[height // 4 :, bit * step : (bit + 1) * step] = 235 if number >> bit & 1 else 16
     bgr[: height // 4, : width // 4] = (0, 0, 255)
     return bgr
+
+
+def blank(_number: int, width: int = WIDTH, height: int = HEIGHT) -> NDArray[np.uint8]:
+    """A grey frame, on which a detector soon gives up."""
+    return np.full((height, width, 3), 128, np.uint8)
 
 
 def number_of(bgr: NDArray[np.uint8]) -> int:
@@ -48,6 +53,7 @@ def write(
     faststart: bool = False,
     options: dict[str, str] | None = None,
     size: tuple[int, int] = (WIDTH, HEIGHT),
+    paint: Callable[[int, int, int], NDArray[np.uint8]] = picture,
 ) -> Path:
     """Write a video whose format is its name's.
 
@@ -76,7 +82,7 @@ def write(
         if rotation_deg:
             stream.set_display_rotation(-rotation_deg)
         for number in range(frames):
-            frame = av.VideoFrame.from_ndarray(picture(number, *size), format="bgr24")
+            frame = av.VideoFrame.from_ndarray(paint(number, *size), format="bgr24")
             frame.pts = round(Fraction(times_ms[number] if times_ms else 40 * number, 1000) / unit)
             frame.time_base = unit
             container.mux(stream.encode(frame))
@@ -89,3 +95,33 @@ _OPTIONS = {
     "libx265": {"preset": "ultrafast", "x265-params": "log-level=error:pools=1:frame-threads=1"},
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8"},
 }
+
+
+def write_with_subtitles(path: Path, codec: str, texts: Sequence[str]) -> Path:
+    """Write a video with a subtitle to each frame, 25 a second."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options=_OPTIONS["libx264"])
+        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+        subtitles = container.add_stream(codec)
+        subtitles.codec_context.subtitle_header = _STYLES
+        subtitles.time_base = Fraction(1, 1000)
+        for number, text in enumerate(texts):
+            frame = av.VideoFrame.from_ndarray(picture(number), format="bgr24")
+            frame.pts, frame.time_base = number, Fraction(1, 25)
+            container.mux(stream.encode(frame))
+            data = text.encode()
+            length = len(data).to_bytes(2, "big") if codec == "mov_text" else b""
+            packet = av.Packet(length + data)
+            packet.stream, packet.time_base = subtitles, Fraction(1, 1000)
+            packet.pts = packet.dts = 40 * number
+            packet.duration = 40
+            container.mux(packet)
+        container.mux(stream.encode(None))
+    return path
+
+
+# The encoders ask for a header in the form of ASS, whatever they write.
+_STYLES = (
+    b"[Script Info]\nScriptType: v4.00+\n\n[V4+ Styles]\nFormat: Name, Fontname, Fontsize\n"
+    b"Style: Default,Arial,16\n\n[Events]\nFormat: Layer, Start, End, Style, Text\n"
+)
