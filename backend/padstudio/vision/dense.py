@@ -21,7 +21,7 @@ from padstudio.vision.far import WholeSign, find_whole_sign
 from padstudio.vision.measure import LayerRead, Measurement, Refiner
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
-from padstudio.vision.planar import planar_pose
+from padstudio.vision.planar import ambiguity, planar_pose
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import denoised, find_denoise, find_stretch
 from padstudio.vision.recorder import Recorder
@@ -245,6 +245,16 @@ def _detection(measurement: Measurement, choice: Choice) -> Detection:
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
         uncertainty=_uncertainty(fit, measurement.camera.focal_px),
+        ambiguity=_ambiguity(measurement),
         shift_mm=fit.pose.shift_mm,
         turn_rad=fit.pose.turn,
     )
+
+
+def _ambiguity(measurement: Measurement) -> float:
+    points = measurement.measured.borders.points_mm
+    low, high = points.min(axis=0), points.max(axis=0)
+    corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
+    sigma_px = measurement.fit.rms_px / np.sqrt(max(len(points), 1))
+    sigma = float(sigma_px) / measurement.camera.focal_px
+    return ambiguity(measurement.fit.pose.pose, corners, sigma)

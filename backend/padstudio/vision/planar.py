@@ -52,8 +52,46 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
     Collins, T. and Bartoli, A. (2014). Infinitesimal plane-based pose estimation.
     doi:10.1007/s11263-014-0725-5
     """
+    starts = _closed_form(points_mm, rays) or _from_homography(points_mm, rays)
+    if not starts:
+        return None
+    found = sorted(
+        (_polished(points_mm, rays, start) for start in starts), key=lambda item: item[0]
+    )
+    error, pose = found[0]
+    if len(found) == 1:
+        return PlanarPose(pose, 0.0, None, error)
+    return PlanarPose(pose, min(1.0, error / max(found[1][0], 1e-12)), found[1][1], error)
+
+
+def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
+    """How well the other planar pose would explain the points too, 0 (not at all) … 1 (alike).
+
+    Seen from afar, a plane and its mirror image about the line of sight look almost alike. The
+    points as the pose shows them are explained again; the best other pose is off by some root mean
+    square, which is compared with how well the points' pattern as a whole is measured.
+
+    Parameters
+    ----------
+    pose : Pose
+    points_mm : (N, 3) float64
+        Points that span what was measured, pad frame.
+    sigma : float
+        Standard deviation of the pattern, on the plane z = 1.
+    """
+    seen = (points_mm - pose.position_mm) @ pose.rotation
+    planar = planar_pose(points_mm, seen[:, :2] / seen[:, 2:])
+    if planar is None or planar.other is None:
+        return 0.0
+    other = (points_mm - planar.other.position_mm) @ planar.other.rotation
+    off = other[:, :2] / other[:, 2:] - seen[:, :2] / seen[:, 2:]
+    away = float(np.sqrt((off**2).sum(axis=1).mean()))
+    return sigma / float(np.hypot(sigma, away)) if sigma + away > 0 else 0.0
+
+
+def _closed_form(points_mm: Array, rays: Array) -> list[Pose]:
     try:
-        count, turns, shifts, errors = cv2.solvePnPGeneric(
+        count, turns, shifts, _ = cv2.solvePnPGeneric(
             points_mm.reshape(-1, 1, 3),
             rays.reshape(-1, 1, 2),
             np.eye(3),
@@ -61,21 +99,30 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
             flags=cv2.SOLVEPNP_IPPE,
         )
     except cv2.error:
-        return None
+        return []
     poses = []
     for k in range(count):
         rotation = np.asarray(cv2.Rodrigues(turns[k])[0], float)
         pose = Pose.from_T_camera_pad(rotation, np.asarray(shifts[k], float))
         if np.isfinite(pose.position_mm).all() and pose.position_mm[2] > 0:
-            poses.append((float(np.ravel(errors[k])[0]), pose))
-    if not poses:
-        return None
-    poses = [_polished(points_mm, rays, pose) for _, pose in poses]
-    poses.sort(key=lambda item: item[0])
-    error, pose = poses[0]
-    if len(poses) == 1:
-        return PlanarPose(pose, 0.0, None, error)
-    return PlanarPose(pose, min(1.0, error / max(poses[1][0], 1e-12)), poses[1][1], error)
+            poses.append(pose)
+    return poses
+
+
+def _from_homography(points_mm: Array, rays: Array) -> list[Pose]:
+    """The one pose where the plane is seen straight on, for which the closed form has none.
+
+    The columns of the homography are the plane's axes and origin in the camera frame, up to scale.
+    """
+    homography, _ = cv2.findHomography(points_mm[:, :2], rays)
+    if homography is None or not np.isfinite(homography).all():
+        return []
+    columns = homography / np.linalg.norm(homography[:, :2], axis=0).mean()
+    columns *= np.sign(columns[2, 2]) or 1.0
+    first, second, origin = columns.T
+    u, _, vt = np.linalg.svd(np.stack([first, second, np.cross(first, second)], axis=1))
+    pose = Pose.from_T_camera_pad(np.asarray(u @ vt, float), np.asarray(origin, float))
+    return [pose] if pose.position_mm[2] > 0 else []
 
 
 def _polished(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pose]:

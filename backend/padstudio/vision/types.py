@@ -164,6 +164,8 @@ class Detection:
     reprojection_px : float
         Root mean square of the residuals, pixels of the frame.
     uncertainty : Uncertainty or None
+    ambiguity : float
+        How well the mirrored planar pose explains the picture too, 0 (not at all) … 1 (alike).
     shift_mm, turn_rad : (3,) float64 or None
         Change of the camera's centre (pad frame) and attitude (rotation vector, camera frame)
         while a rolling shutter read the frame, from its first row to its last.
@@ -180,6 +182,7 @@ class Detection:
     log10_false_alarm: float = 0.0
     reprojection_px: float = 0.0
     uncertainty: Uncertainty | None = None
+    ambiguity: float = 0.0
     shift_mm: Array | None = None
     turn_rad: Array | None = None
     elapsed_ms: Mapping[str, float] = field(default_factory=dict)
@@ -218,6 +221,7 @@ class Detection:
             "cells_wrong": self.cells_wrong,
             "log10_false_alarm": round(self.log10_false_alarm, 2),
             "reprojection_px": self.reprojection_px,
+            "ambiguity": self.ambiguity,
             "position_sigma_mm": None if sigma is None else sigma.position_sigma_mm.tolist(),
             "attitude_sigma_deg": None if sigma is None else sigma.attitude_sigma_deg.tolist(),
         }
@@ -231,4 +235,5 @@ def pose_fields(pose: Pose) -> dict[str, Any]:
         "quaternion_xyzw": pose.quaternion_xyzw.tolist(),
         "heading_deg": pose.heading_deg,
         "tilt_deg": pose.tilt_deg,
+        "euler_deg": list(pose.euler_deg),
     }
