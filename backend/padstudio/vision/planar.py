@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from padstudio.geometry.pose import Pose
+from padstudio.geometry.pose import Pose, rotation_angle_deg
 from padstudio.vision.types import Array
+
+# Poses nearer to each other than this are one.
+_ALIKE_DEG = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,16 +55,17 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
     Collins, T. and Bartoli, A. (2014). Infinitesimal plane-based pose estimation.
     doi:10.1007/s11263-014-0725-5
     """
-    starts = _closed_form(points_mm, rays) or _from_homography(points_mm, rays)
+    starts = _closed_form(points_mm, rays) + _from_homography(points_mm, rays)
     if not starts:
         return None
     found = sorted(
         (_polished(points_mm, rays, start) for start in starts), key=lambda item: item[0]
     )
     error, pose = found[0]
-    if len(found) == 1:
-        return PlanarPose(pose, 0.0, None, error)
-    return PlanarPose(pose, min(1.0, error / max(found[1][0], 1e-12)), found[1][1], error)
+    for other_error, other in found[1:]:
+        if rotation_angle_deg(pose.rotation, other.rotation) > _ALIKE_DEG:
+            return PlanarPose(pose, min(1.0, error / max(other_error, 1e-12)), other, error)
+    return PlanarPose(pose, 0.0, None, error)
 
 
 def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
@@ -110,7 +114,7 @@ def _closed_form(points_mm: Array, rays: Array) -> list[Pose]:
 
 
 def _from_homography(points_mm: Array, rays: Array) -> list[Pose]:
-    """The one pose where the plane is seen straight on, for which the closed form has none.
+    """A pose that holds where the plane is seen straight on, too, where the closed form breaks.
 
     The columns of the homography are the plane's axes and origin in the camera frame, up to scale.
     """
