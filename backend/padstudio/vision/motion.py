@@ -109,8 +109,9 @@ class MovingPose:
         """The pose after a step of 6 or 12: centre (mm, pad), turn (camera), and their changes."""
         turn = np.asarray(cv2.Rodrigues(np.asarray(step[3:6], float))[0], float)
         rotation = self.pose.rotation @ turn
-        u, _, vt = np.linalg.svd(rotation)
-        pose = Pose(self.pose.position_mm + step[:3], u @ vt)
+        # One step of Newton's toward the nearest rotation takes away what rounding adds.
+        rotation = rotation @ (1.5 * np.eye(3) - 0.5 * (rotation.T @ rotation))
+        pose = Pose(self.pose.position_mm + step[:3], rotation)
         if len(step) == 6:
             return MovingPose(pose, self.shift_mm, self.turn)
         return MovingPose(pose, self.shift_mm + step[6:9], self.turn + step[9:12])

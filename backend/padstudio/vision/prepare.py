@@ -80,7 +80,8 @@ def find_stretch(pyramid: Pyramid) -> Stretch:
         b = max(int(np.searchsorted(share, _BRIGHT)), int(a + _LEAST_RANGE))
         low.append(float(a))
         high.append(float(b))
-    top = image.max(axis=2)
+    blue, green, red = cv2.split(image)
+    top = np.asarray(cv2.max(cv2.max(blue, green), red))
     return Stretch(
         (low[0], low[1], low[2]),
         (high[0], high[1], high[2]),

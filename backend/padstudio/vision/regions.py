@@ -98,7 +98,10 @@ def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
 def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8] | None:
     """(h, w) uint8 of 0 and 1, or None where the picture is all of one kind."""
     blurred = cv2.blur(image.astype(np.float32), (3, 3))
-    share = blurred[:, :, unused].mean(axis=2) / (blurred.sum(axis=2) + _DARK)
+    weights = np.zeros((2, 3))
+    weights[0, unused], weights[1] = 1 / len(unused), 1
+    part, total = cv2.split(cv2.transform(blurred, weights))
+    share = np.asarray(part / (total + _DARK))
     low = float(np.partition(share, _LEAST_AREA, axis=None)[_LEAST_AREA])
     high = float(np.percentile(share, _GROUND))
     if high - low < 2 * _LEAST_SEPARATION:
