@@ -206,7 +206,7 @@ def _counts(session: Session, flight: int, column: Any) -> dict[str, int]:
         .group_by(column)
         .order_by(func.count().desc(), column)
     )
-    return dict(found.tuples().all())
+    return {name: int(count) for name, count in found}
 
 
 def _longest_gap(session: Session, flight: int) -> dict[str, Any] | None:
@@ -249,7 +249,7 @@ def _timeline(session: Session, flight: int) -> list[dict[str, Any]]:
     )
     return [
         {"at": int(at), "first_frame": first, "ok": int(ok), "failed": int(count - ok)}
-        for at, first, count, ok in rows.tuples()
+        for at, first, count, ok in rows
     ]
 
 
