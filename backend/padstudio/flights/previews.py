@@ -135,10 +135,10 @@ def _project(points_mm: Array, camera: Camera, record: Mapping[str, Any], scale:
 def _stroke(picture: Image, pixels: Array, colour: tuple[int, int, int]) -> None:
     """Lines through pixels, those far outside of the picture left out."""
     room = 2 * max(picture.shape[:2])
-    near = np.isfinite(pixels).all(axis=1)
-    near[near] = (np.abs(pixels[near]) < room).all(axis=1)
+    known = np.nan_to_num(pixels, nan=4.0 * room)
+    near = np.asarray((np.abs(known) < room).all(axis=1), bool)
     # OpenCV takes fixed-point coordinates of 1/16 pixel.
-    fixed = np.where(near[:, None], np.nan_to_num(pixels) * 16, 0).round().astype(np.int32)
+    fixed = np.clip(known * 16, -16 * room, 16 * room).round().astype(np.int32)
     thick = max(2, picture.shape[1] // 500)
     for line_colour, thickness in (((0, 0, 0), thick + 2), (colour, thick)):
         for place in np.flatnonzero(near[:-1] & near[1:]):
