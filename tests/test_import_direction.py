@@ -34,6 +34,8 @@ CONFINED = {
     "sqlalchemy": ("flights/",),
     "alembic": ("flights/",),
     "av": ("flights/video", "simulate/video"),
+    "mcap": ("flights/exports/",),
+    "pymavlink": ("flights/exports/",),
     "typer": ("cli",),
     "rich": ("cli",),
 }

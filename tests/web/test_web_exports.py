@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import time
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ import httpx
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from web_server import running, settings_for
+from web_server import running, settings_for, wait_until
 
 FOOTAGE = Path(__file__).parents[1] / "footage"
 FRAMES = 4
@@ -60,8 +59,8 @@ def flight(server: httpx.Client) -> str:
     }
     made = server.post("/api/v1/flights", json=order)
     address = str(made.raise_for_status().headers["location"])
-    while (state := server.get(address).json())["state"] in ("queued", "running"):
-        time.sleep(0.1)
+    wait_until(lambda: server.get(address).json()["state"] not in ("queued", "running"))
+    state = server.get(address).json()
     assert (state["state"], state["frames_ok"]) == ("done", FRAMES), state
     return address
 

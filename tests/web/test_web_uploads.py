@@ -7,6 +7,8 @@ import base64
 import hashlib
 import io
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from email.utils import parsedate_to_datetime
@@ -18,7 +20,7 @@ import httpx
 import pytest
 from tusclient.client import TusClient
 from tusclient.exceptions import TusUploadFailed
-from web_server import running, settings_for
+from web_server import running, settings_for, wait_until
 
 from padstudio.web.turns import Turns
 
@@ -269,18 +271,22 @@ def test_the_reference_client_goes_on_after_a_broken_connection(server: httpx.Cl
     assert server.get(address.path).json()["sha256"] == hashlib.sha256(MP4).hexdigest()
 
 
+def _head(server: httpx.Client, address: str) -> str:
+    """The head of a request that promises the whole file."""
+    return (
+        f"PATCH {address} HTTP/1.1\r\nHost: {server.base_url.host}\r\nTus-Resumable: 1.0.0\r\n"
+        "Upload-Offset: 0\r\nContent-Type: application/offset+octet-stream\r\n"
+        f"Content-Length: {len(MP4)}\r\n\r\n"
+    )
+
+
 def test_a_newcomer_takes_over_from_a_dead_connection(server: httpx.Client) -> None:
     address = _announce(server)
     host, port = server.base_url.host, server.base_url.port
-    head = (
-        f"PATCH {address} HTTP/1.1\r\nHost: {host}\r\nTus-Resumable: 1.0.0\r\nUpload-Offset: 0\r\n"
-        f"Content-Type: application/offset+octet-stream\r\nContent-Length: {len(MP4)}\r\n\r\n"
-    )
     assert port is not None
     with socket.create_connection((host, port)) as half_open:
-        half_open.sendall(head.encode() + MP4[:500_000])
-        while server.get(address).json()["offset"] == 0:
-            threading.Event().wait(0.01)
+        half_open.sendall(_head(server, address).encode() + MP4[:500_000])
+        wait_until(lambda: server.get(address).json()["offset"] > 0)
         there = _offset(server, address)
         assert b"upload_taken_over" in half_open.recv(65536)
     assert _send(server, address, there, MP4[there:]).status_code == 204
@@ -298,13 +304,45 @@ def test_an_upload_goes_on_after_a_restart(tmp_path: Path) -> None:
         assert server.get(address).json()["sha256"] == hashlib.sha256(MP4).hexdigest()
 
 
+def test_an_upload_goes_on_after_the_server_was_killed(tmp_path: Path) -> None:
+    def serve() -> tuple[subprocess.Popen[str], httpx.Client]:
+        program = Path(sys.executable).with_name("padstudio")
+        command = [program, "serve", "--port", "0", "--data", tmp_path]
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        assert process.stderr is not None
+        address = process.stderr.readline().split()[2]
+        return process, httpx.Client(base_url=address, timeout=30, trust_env=False)
+
+    def end(process: subprocess.Popen[str], client: httpx.Client) -> None:
+        process.kill()
+        process.communicate()
+        client.close()
+
+    process, server = serve()
+    try:
+        address = _announce(server)
+        with socket.create_connection((server.base_url.host, server.base_url.port)) as sender:
+            sender.sendall(_head(server, address).encode() + MP4[:700_000])
+            wait_until(lambda: server.get(address).json()["offset"] > 0)
+            process.kill()
+    finally:
+        end(process, server)
+    process, server = serve()
+    try:
+        there = _offset(server, address)
+        assert 0 < there <= 700_000
+        assert _send(server, address, there, MP4[there:]).status_code == 204
+        assert server.get(address).json()["sha256"] == hashlib.sha256(MP4).hexdigest()
+    finally:
+        end(process, server)
+
+
 def test_uploads_expire_by_themselves(tmp_path: Path) -> None:
     with running(settings_for(tmp_path, upload_expires_seconds=0.1)) as server:
         address = _announce(server)
         _send(server, address, 0, MP4[:100])
         partial = tmp_path / "uploads" / "partial" / address.rsplit("/", 1)[-1]
-        while partial.exists():
-            threading.Event().wait(0.02)
+        wait_until(lambda: not partial.exists())
         assert server.get(address).status_code == 404
 
 

@@ -6,7 +6,7 @@ import contextlib
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -66,3 +66,11 @@ def store_pad(client: httpx.Client) -> dict[str, Any]:
     """Store a tiny pad; its summary."""
     answer = client.post("/api/v1/pads/import", files={"file": ("pad.json", PAD_FILE)})
     return dict(answer.raise_for_status().json())
+
+
+def wait_until(holds: Callable[[], bool], most_s: float = 120) -> None:
+    """Look again and again until something holds; fails rather than hang."""
+    end = time.monotonic() + most_s
+    while not holds():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
