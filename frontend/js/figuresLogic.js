@@ -139,7 +139,7 @@ function scene(palette) {
     xaxis: axis("X (m)"),
     yaxis: axis("Y (m)"),
     zaxis: { ...axis("Height (m)"), rangemode: "tozero" },
-    camera: { eye: { x: 1.3, y: -1.5, z: 0.6 } },
+    camera: { eye: { x: 1.5, y: -1.7, z: 0.7 }, center: { x: 0, y: 0, z: -0.15 } },
   };
 }
 

@@ -176,7 +176,7 @@ async function findFailure(by) {
   }
 }
 
-/** One frame on, as soon as the one before is shown; the next one's picture comes meanwhile. */
+/** One frame on, as soon as the one before is shown; the next ones' pictures come meanwhile. */
 function play() {
   const all = whole();
   if (!state.playing || !all || state.frame === null) return;
@@ -185,7 +185,10 @@ function play() {
     return;
   }
   step(1);
-  if (state.frame < all.last) loader.prepare(state.frame + all.stride);
+  for (const ahead of [1, 2]) {
+    const frame = state.frame + ahead * all.stride;
+    if (frame <= all.last) loader.prepare(frame);
+  }
 }
 
 async function copyRecord() {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import time
 from collections.abc import Iterable
@@ -85,6 +86,7 @@ def _upload(api: httpx.Client, path: Path) -> str:
     headers = {
         "Tus-Resumable": "1.0.0",
         "Upload-Length": str(path.stat().st_size),
+        "Upload-Metadata": f"filename {base64.b64encode(path.name.encode()).decode()}",
         "Content-Type": "application/offset+octet-stream",
     }
     answer = api.post("/uploads", headers=headers, content=path.read_bytes()).raise_for_status()

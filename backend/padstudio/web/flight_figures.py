@@ -136,7 +136,7 @@ def get_flight_figures(
     flight_id: ItemId,
     shared: Shared,
     points: Annotated[int, Query(ge=2, le=20_000, description="Most points.")] = 2000,
-    samples: Annotated[int, Query(ge=1, le=200, description="Most poses in space.")] = 24,
+    samples: Annotated[int, Query(ge=1, le=200, description="Most poses in space.")] = 16,
 ) -> FlightFigures:
     flight = shared.flights.flights.get(flight_id, texts=True)
     found = FigureRows(shared.store.session).figures(flight, points, samples)
