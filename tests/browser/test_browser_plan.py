@@ -1,0 +1,145 @@
+"""The Plan page: coverage, advice, simulated pictures and what Diagnose makes of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from browser_support import CAMERA_FILE, PAD_FILE, Complaints
+from playwright.sync_api import Page, expect
+
+# Its frames cost a detector milliseconds.
+SMALL_CAMERA = """\
+image_width: 320
+image_height: 240
+camera_name: small
+distortion_model: plumb_bob
+camera_matrix: {rows: 3, cols: 3, data: [300, 0, 159.5, 0, 300, 119.5, 0, 0, 1]}
+distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
+"""
+
+
+@pytest.fixture
+def plan(open_page: Callable[..., Page]) -> Page:
+    """The page with the footage's pad and camera chosen."""
+    page = open_page("/plan")
+    page.get_by_label("Upload a pad file").set_input_files(PAD_FILE)
+    expect(page.locator("#status")).to_contain_text("Imported the pad")
+    page.get_by_label("Upload a camera file").set_input_files(CAMERA_FILE)
+    expect(page.locator("#status")).to_contain_text("Added the camera")
+    expect(page.locator("#chart")).to_be_visible()
+    return page
+
+
+def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
+    chart = plan.locator("#chart svg")
+    expect(chart.locator(".area")).to_have_count(2)
+    expect(chart.locator(".outline")).to_have_count(2)
+    expect(chart.locator(".dead-band")).to_have_count(0)
+    # 5 cells of 10 mm across 765 px at f = 943 px.
+    expect(plan.locator("#chart-facts")).to_contain_text(re.compile(r"Red layer\s*61\.6 mm"))
+    plan.get_by_role("radio", name="Paper").check(force=True)
+    expect(chart.locator(".dead-band")).to_have_count(1)
+    expect(plan.locator("#dead-band")).to_contain_text("no layer reads")
+    expect(plan).to_have_url(re.compile("method=paper"))
+    plan.reload()
+    expect(chart.locator(".dead-band")).to_have_count(1)
+
+
+def test_the_chart_is_read_under_the_pointer(plan: Page) -> None:
+    box = plan.locator("#chart svg").bounding_box()
+    assert box
+    readout = plan.locator("#chart [data-ref=readout]")
+    plan.mouse.move(box["x"] + 70, box["y"] + 0.5 * box["height"])
+    expect(readout).to_contain_text(re.compile("tilt [01]°: (red|blue) "))
+    plan.mouse.move(box["x"] + 70, box["y"] + box["height"] - 45)
+    expect(readout).to_contain_text("nothing reads")
+
+
+def test_advice_becomes_a_pad_on_the_design_page(plan: Page) -> None:
+    facts = plan.locator("#advice-facts")
+    expect(facts).to_contain_text("Reads")
+    plan.get_by_label("Highest").fill("50")
+    expect(plan.locator("#wish-high_mm-error")).to_contain_text("more than the lowest")
+    plan.get_by_label("Highest").fill("900")
+    plan.get_by_label("Off the centre").fill("0")
+    expect(facts).to_contain_text("one layer")
+    cells = re.search(r"(\d+) × \d+, ([\d.]+) mm", facts.inner_text())
+    assert cells
+    plan.get_by_role("link", name="Design this pad").click()
+    expect(plan).to_have_url(re.compile("/design"))
+    expect(plan.get_by_label("Rows")).to_have_value(cells[1])
+    expect(plan.get_by_label("Red cell")).to_have_value(cells[2])
+    expect(plan.get_by_label("Blue : red")).to_have_value("1")
+
+
+def test_a_click_on_the_chart_takes_a_picture_that_diagnose_reads(plan: Page) -> None:
+    plan.locator("#chart svg").click(position={"x": 150, "y": 170})
+    expect(plan.get_by_alt_text(re.compile("Simulated picture from"))).to_be_visible()
+    height = plan.get_by_label("Height", exact=True).input_value()
+    truth = plan.locator("#film [data-ref=truth]")
+    expect(truth).to_contain_text(f"{float(height):.1f} mm")
+    plan.get_by_role("link", name="Read in Diagnose").click()
+    expect(plan.locator("#verdict")).to_contain_text("Pose found")
+    z = plan.locator("[data-ref=pose-facts] dd").nth(2).inner_text()
+    assert float(z.split()[0].replace("\u202f", "")) == pytest.approx(float(height), rel=0.02)
+
+
+def test_a_short_descent_is_a_strip_of_pictures(plan: Page) -> None:
+    plan.get_by_label("Pictures", exact=True).select_option("descent")
+    plan.get_by_label("How many").fill("3")
+    plan.get_by_label("Height", exact=True).fill("900")
+    plan.get_by_label("Down to").fill("100")
+    expect(plan.locator("#chart .place")).to_have_count(3)
+    plan.get_by_role("button", name="Take the pictures").click()
+    shots = plan.locator("#film .shot")
+    expect(shots.locator("img")).to_have_count(3)
+    assert [text.split(",")[0] for text in shots.all_inner_texts()] == [
+        "900 mm",
+        "300 mm",
+        "100 mm",
+    ]
+    shots.nth(2).click()
+    expect(plan.locator("#film [data-ref=truth]")).to_contain_text("100.0 mm")
+    expect(plan).to_have_url(re.compile("kind=descent"))
+
+
+def test_a_map_fills_row_by_row(plan: Page, tmp_path: Path) -> None:
+    camera = tmp_path / "small.yaml"
+    camera.write_text(SMALL_CAMERA)
+    plan.get_by_label("Upload a camera file").set_input_files(camera)
+    expect(plan.locator("#status")).to_contain_text("“small”")
+    plan.get_by_text("Check it with simulated pictures").click()
+    plan.get_by_label("Heights", exact=True).fill("2")
+    plan.get_by_role("button", name="Simulate").click()
+    rows = plan.locator("#map tbody tr")
+    expect(rows).to_have_count(2)
+    expect(plan.locator("#map-stop")).to_be_hidden()
+    expect(plan.locator("#chart .dot")).to_have_count(10)
+    # Above all that the chart shows and below it nothing reads from straight above.
+    assert [rows.nth(row).locator("td").first.inner_text() for row in (0, 1)] == ["0 %", "0 %"]
+
+
+def test_what_cannot_be_is_marked_or_explained(plan: Page, complaints: Complaints) -> None:
+    complaints.expected = {422}
+    plan.get_by_label("Tilt", exact=True).fill("95")
+    expect(plan.locator("#frame-tilt_deg-error")).to_contain_text("from 0 to 89")
+    plan.get_by_role("button", name="Take the picture").click()
+    expect(plan.get_by_label("Tilt", exact=True)).to_be_focused()
+    plan.get_by_label("Tilt", exact=True).fill("10")
+    error = {"code": "camera_sees_no_ground", "message": "the camera sees no ground", "detail": {}}
+    plan.route("**/simulate", lambda route: route.fulfill(status=422, json={"error": error}))
+    plan.get_by_role("button", name="Take the picture").click()
+    expect(plan.locator("#status")).to_have_text("The camera sees no ground.")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_phone_shows_it_without_scrolling_sideways(
+    open_page: Callable[..., Page], theme: str
+) -> None:
+    for path in ("/design?rows=20&cols=20&ratio=2", "/plan"):
+        page = open_page(path, width=390, height=844, theme=theme)
+        expect(page.locator(".panel").first).to_be_visible()
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
