@@ -20,11 +20,12 @@ export const readAddress = () => new URLSearchParams(location.search);
 /**
  * Start a download without leaving the page.
  * @param {string} url
+ * @param {string} [name]  where the server does not say one
  */
-export function download(url) {
+export function download(url, name = "") {
   const link = document.createElement("a");
   link.href = url;
-  link.download = "";
+  link.download = name;
   document.body.append(link);
   link.click();
   link.remove();

@@ -30,7 +30,7 @@
  * @property {import("./components/status.js").Status} status
  */
 
-import { readAddress, writeAddress } from "./address.js";
+import { download, readAddress, writeAddress } from "./address.js";
 import * as api from "./api.js";
 import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
@@ -98,6 +98,7 @@ const view = makeFlightView(id, {
     const run = await flightsApi.rerunFlight(id, changes);
     location.assign(`/flights/${run.id}?with=${id}`);
   },
+  onVehicle: (file) => void exportForPx4(file),
   onCharts: () => void data.figures(),
   onCopy: () => void copyRecord(),
 });
@@ -197,6 +198,18 @@ async function copyRecord() {
     set({ status: { kind: "ok", text: "Copied the record as JSON." } });
   } catch {
     set({ status: { kind: "bad", text: "The browser does not allow copying here." } });
+  }
+}
+
+/** @param {File} vehicle */
+async function exportForPx4(vehicle) {
+  try {
+    const url = URL.createObjectURL(await flightsApi.exportForPx4(id, vehicle));
+    download(url, `${state.flight?.name}.px4.tlog`);
+    // The browser has begun to read it by then.
+    window.setTimeout(() => URL.revokeObjectURL(url), 60_000);
+  } catch (error) {
+    set({ status: { kind: "bad", text: `${vehicle.name}: ${api.messageOf(error)}` } });
   }
 }
 

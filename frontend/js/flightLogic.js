@@ -146,14 +146,15 @@ export function reasonsOf({ reasons }) {
 /** @param {string | null} stage @returns {string} */
 export const stageName = (stage) => (stage === "read" ? "Reading the file" : stageTitle(stage ?? ""));
 
-/** The forms of a download. */
+/** The forms of a download; that for PX4 needs a file and is no plain link. */
 export const EXPORTS = [
   { form: "csv", name: "CSV", about: "spreadsheets" },
-  { form: "jsonl", name: "JSONL", about: "poses file, one frame a line" },
+  { form: "jsonl", name: "JSONL", about: "poses file, a frame a line" },
   { form: "tum", name: "TUM", about: "trajectory for evo" },
   { form: "colmap", name: "COLMAP", about: "images.txt" },
   { form: "mcap", name: "MCAP", about: "Foxglove" },
-  { form: "mavlink", name: "MAVLink", about: "LANDING_TARGET for ArduPilot" },
+  { form: "mcap?images=true", name: "MCAP, frames", about: "Foxglove, with pictures" },
+  { form: "ardupilot", name: "ArduPilot", about: "LANDING_TARGET" },
 ];
 
 /**

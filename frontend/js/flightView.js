@@ -52,7 +52,7 @@ export function makeFlightView(id, on) {
   });
   const summary = mountFacts(byId("summary"));
   const settings = mountFacts(byId("settings"));
-  const exports = mountExportList(byId("downloads"), id);
+  const exports = mountExportList(byId("downloads"), id, { onVehicle: on.onVehicle });
   const runs = mountRunList(byId("runs"), { onCompare: on.onCompare });
   const charts = mountCharts(byId("charts"), { onSeek: on.onSeek, onVisible: on.onCharts });
   const rerun = mountRerunDialog(byId("rerun"), { onRun: on.onRun });

@@ -61,7 +61,7 @@
  * @typedef {Partial<Record<"status" | "reason" | "stage" | "layer", string>>} FrameFilter
  */
 
-import { request } from "./api.js";
+import { refusal, request } from "./api.js";
 
 const path = (/** @type {string} */ id, rest = "") => `/flights/${encodeURIComponent(id)}${rest}`;
 
@@ -134,6 +134,20 @@ export const getStages = (id, frame) => request("GET", path(id, `/frames/${frame
 
 /** @param {string} id @param {string} form */
 export const exportUrl = (id, form) => `/api/v1${path(id, `/export/${form}`)}`;
+
+/**
+ * The export for PX4, which needs the vehicle's own poses.
+ * @param {string} id
+ * @param {File} vehicle
+ * @returns {Promise<Blob>}
+ */
+export async function exportForPx4(id, vehicle) {
+  const body = new FormData();
+  body.append("vehicle", vehicle);
+  const response = await fetch(exportUrl(id, "px4"), { method: "POST", body });
+  if (!response.ok) throw await refusal(response);
+  return response.blob();
+}
 
 /** @param {string} id */
 export const eventsUrl = (id) => `/api/v1${path(id, "/events")}`;

@@ -3,8 +3,12 @@
 import { EXPORTS } from "../flightLogic.js";
 import { exportUrl } from "../flightsApi.js";
 
-/** @param {HTMLElement} root @param {string} id  of the flight */
-export function mountExportList(root, id) {
+/**
+ * @param {HTMLElement} root
+ * @param {string} id  of the flight
+ * @param {{onVehicle: (file: File) => void}} events
+ */
+export function mountExportList(root, id, { onVehicle }) {
   const list = /** @type {HTMLElement} */ (root.querySelector("[data-ref=list]"));
   list.replaceChildren(
     ...EXPORTS.map(({ form, name, about }) => {
@@ -19,6 +23,12 @@ export function mountExportList(root, id) {
       return item;
     }),
   );
+  const input = /** @type {HTMLInputElement} */ (root.querySelector("input[type=file]"));
+  input.addEventListener("change", () => {
+    const file = input.files?.[0];
+    input.value = "";
+    if (file) onVehicle(file);
+  });
   return {
     /** @param {{enabled: boolean}} state */
     update({ enabled }) {
