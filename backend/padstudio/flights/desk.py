@@ -20,6 +20,7 @@ from padstudio.flights.pictures import Kind, PictureCache, PictureJob, picture_j
 from padstudio.flights.results import Results
 from padstudio.flights.runner import Runner
 from padstudio.flights.storage import Storage
+from padstudio.flights.summaries import Summaries
 from padstudio.flights.upload_rows import Upload
 from padstudio.flights.uploads import Uploads
 from padstudio.flights.work import WorkLimits
@@ -48,6 +49,7 @@ class FlightDesk:
     ----------
     flights : Flights
     results : Results
+    summaries : Summaries
     pictures : PictureCache
     """
 
@@ -65,7 +67,7 @@ class FlightDesk:
         attempts: int = 3,
     ) -> None:
         self.flights = Flights(session, max_open)
-        self.results = Results(session)
+        self.results, self.summaries = Results(session), Summaries(session)
         self.limits = limits
         self._uploads, self._storage = uploads, storage
         self._engine = Engine(engine)

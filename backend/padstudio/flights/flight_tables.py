@@ -90,6 +90,7 @@ class FrameRow(Base):
     __table_args__ = (
         Index("ix_frames_status", "flight", "status", "number"),
         Index("ix_frames_reason", "flight", "reason", "number"),
+        Index("ix_frames_time_s", "flight", "time_s", "number"),
         {"sqlite_with_rowid": False},
     )
 

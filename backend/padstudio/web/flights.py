@@ -183,7 +183,7 @@ def get_flight_summary(
     points: Annotated[int, Query(ge=2, le=20_000, description="Most points of a series.")] = 2000,
 ) -> FlightSummary:
     flight = shared.flights.flights.get(flight_id)
-    return FlightSummary.model_validate(shared.flights.results.summary(flight, points))
+    return FlightSummary.model_validate(shared.flights.summaries.of(flight, points))
 
 
 @router.get(

@@ -95,7 +95,7 @@ def _create_frames() -> None:
         sa.Column("z_mm", sa.Double),
         sqlite_with_rowid=False,
     )
-    for column in ("status", "reason"):
+    for column in ("status", "reason", "time_s"):
         op.create_index(f"ix_frames_{column}", "frames", ["flight", column, "number"])
     op.create_table(
         "frame_details",
