@@ -18,6 +18,8 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from tusclient.client import TusClient
 from tusclient.exceptions import TusUploadFailed
 from web_server import running, settings_for, wait_until
@@ -185,6 +187,49 @@ def test_a_text_named_mp4_is_refused_and_gone(
 def test_bytes_go_nowhere_else_in_such_an_amount(server: httpx.Client, refused: Refused) -> None:
     answer = server.post("/api/v1/pads", headers=BYTES, content=bytes(20_000))
     refused(answer, 413, "limit_exceeded")
+
+
+@pytest.mark.parametrize("path", ["", "/none", "/none/deeper"])
+def test_every_answer_names_the_version(server: httpx.Client, path: str) -> None:
+    for method in ("GET", "HEAD", "POST", "PATCH", "DELETE", "OPTIONS"):
+        answer = server.request(method, f"/api/v1/uploads{path}")
+        assert answer.headers["tus-resumable"] == answer.headers["tus-version"] == "1.0.0"
+
+
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], database=None
+)
+@given(
+    headers=st.dictionaries(
+        st.sampled_from(
+            [
+                "Upload-Length",
+                "Upload-Offset",
+                "Upload-Metadata",
+                "Upload-Checksum",
+                "X-HTTP-Method-Override",
+                "Content-Type",
+            ]
+        ),
+        st.one_of(
+            st.integers(-5, 10**20).map(str),
+            st.text(st.characters(codec="latin-1", categories=["L", "N", "P", "S"]), max_size=30),
+            st.sampled_from(["sha1", "sha256 AAAA", "sha1 é", "filename ////", "PATCH"]),
+        ),
+        max_size=4,
+    ),
+    body=st.binary(max_size=40),
+)
+def test_odd_headers_get_an_answer(
+    server: httpx.Client, headers: dict[str, str], body: bytes
+) -> None:
+    raw = [(k.encode(), v.encode("latin-1")) for k, v in (TUS | headers).items()]
+    for method, path in (("POST", ""), ("POST", "/a"), ("PATCH", "/a")):
+        answer = server.request(method, f"/api/v1/uploads{path}", headers=raw, content=body)
+        assert answer.status_code < 500, answer.text
+        if answer.status_code == 201:
+            assert server.head(answer.headers["location"], headers=TUS).status_code == 200
+            server.delete(answer.headers["location"])
 
 
 def _client(server: httpx.Client, **options: Any) -> Any:

@@ -52,7 +52,7 @@ class Guard:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                _add_headers(MutableHeaders(scope=message))
+                _add_headers(MutableHeaders(scope=message), request.url.path)
             await send(message)
 
         app: ASGIApp = self.app
@@ -166,9 +166,11 @@ def _enter(request: Request, token: str) -> Response:
     return response
 
 
-def _add_headers(headers: MutableHeaders) -> None:
+def _add_headers(headers: MutableHeaders, path: str) -> None:
     for name, value in SECURITY_HEADERS.items():
         headers.setdefault(name, value)
+    if path.startswith(_TUS_PATH):
+        headers.update(tus.EVERYWHERE)
 
 
 def _limited(request: Request, receive: Receive, settings: Settings) -> Receive:

@@ -17,8 +17,8 @@ from padstudio.flights.upload_rows import Upload
 VERSION = "1.0.0"
 EXTENSIONS = "creation,creation-with-upload,checksum,expiration,termination"
 MEDIA_TYPE = "application/offset+octet-stream"
-#: On every answer of the protocol.
-RESUMABLE = {"Tus-Resumable": VERSION}
+#: On every answer under the address of uploads, errors among them.
+EVERYWHERE = {"Tus-Resumable": VERSION, "Tus-Version": VERSION}
 
 _MAX_METADATA = 4000
 
@@ -46,8 +46,7 @@ class TusMediaTypeError(StudioError):
 
 def options(max_bytes: int) -> dict[str, str]:
     """What the server can do."""
-    return RESUMABLE | {
-        "Tus-Version": VERSION,
+    return {
         "Tus-Extension": EXTENSIONS,
         "Tus-Max-Size": str(max_bytes),
         "Tus-Checksum-Algorithm": ",".join(CHECKSUMS),
@@ -56,7 +55,7 @@ def options(max_bytes: int) -> dict[str, str]:
 
 def describe(upload: Upload) -> dict[str, str]:
     """Where an upload stands."""
-    headers = RESUMABLE | {
+    headers = {
         "Upload-Offset": str(upload.offset),
         "Upload-Length": str(upload.size_bytes),
     }

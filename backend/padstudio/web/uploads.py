@@ -124,7 +124,7 @@ async def append_upload(upload_id: ItemId, request: Request, shared: Shared) -> 
 async def delete_upload(upload_id: ItemId, shared: Shared) -> Response:
     async with shared.turns.take(upload_id):
         await run_in_threadpool(shared.store.uploads.delete, upload_id)
-    return Response(status_code=204, headers=tus.RESUMABLE)
+    return Response(status_code=204)
 
 
 @router.post("/{upload_id}", include_in_schema=False)
