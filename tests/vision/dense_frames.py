@@ -16,6 +16,7 @@ from padstudio.vision.params import DetectorParams
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import find_stretch, take_channel
 from padstudio.vision.recorder import Recorder
+from padstudio.vision.regions import find_regions
 
 __all__ = ["errors", "frame_of", "sample_pad", "small_camera"]
 
@@ -56,7 +57,9 @@ def near_view():
 def edges_of(image, channel="red", level=0, camera=None):
     pyramid = Pyramid(image)
     plane = take_channel(pyramid, find_stretch(pyramid), channel, level)
-    return find_edges(plane, camera or small_camera())
+    edges = find_edges(plane, camera or small_camera())
+    region = find_regions(pyramid, sample_pad())[0]
+    return edges.take(region.holds(edges.xy))
 
 
 def recorder():

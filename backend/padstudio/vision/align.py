@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel, Pad
-from padstudio.vision.covariance import sums_by_tile
+from padstudio.vision.covariance import newton_share, sums_by_tile
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.pattern import (
     OVERSAMPLING,
@@ -103,6 +103,8 @@ class _Channel:
     right : (K,) float64
     variance : float
         Of the residuals.
+    share : float
+        As of `padstudio.vision.covariance.newton_share`.
     steepness : float
         Mean squared slope of the brightness along one axis, per mm.
     jacobian, linear : (N, K) and (N, L)
@@ -116,6 +118,7 @@ class _Channel:
     normal: Array
     right: Array
     variance: float
+    share: float
     steepness: float
     jacobian: Array
     linear: NDArray[np.float32]
@@ -143,6 +146,7 @@ class _Channel:
             normal=(a - b @ solved[:, :-1]) / variance,
             right=(right - b @ solved[:, -1]) / variance,
             variance=variance,
+            share=newton_share(weight.astype(float)),
             steepness=steepness,
             jacobian=jacobian,
             linear=linear,
@@ -187,7 +191,7 @@ class _Match:
         """Covariance (6, 6) of a solution."""
         size = len(self._prior.weight)
         parts = list(self._channels(pose, 12))
-        normal = sum((part.normal for part in parts), np.zeros((12, 12)))
+        normal = sum((part.normal * part.share for part in parts), np.zeros((12, 12)))
         gradients = sum((part.gradients()[:, :size] for part in parts), np.zeros(()))
         scores = sums_by_tile(gradients, self._pixels.tile)
         return self._prior.covariance(normal, scores, rolling=rolling)

@@ -22,8 +22,27 @@ from padstudio.vision.types import Array
 TILES = 8
 # Scatter over what independent residuals would have; fewer tiles than needed may show less.
 _LEAST_SCATTER = 0.5
+_LEAST_SHARE = 0.3
 # Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
 _PICTURE_SHIFT_PX = 0.04
+
+
+def newton_share(weight: Array, trust: Array | float = 1.0) -> float:
+    """How much steeper the robust sum of squares looks to its weights than it is.
+
+    With weights 1/(1 + x²)² of residuals x over their cut-off, least squares are solved as if the
+    weights stood still; that they fall as residuals grow makes the answer less sure.
+
+    Parameters
+    ----------
+    weight : (N,) float
+        1/(1 + x²)².
+    trust : (N,) float64 or float
+        What each residual is weighted with besides.
+    """
+    share = np.sqrt(weight)
+    steep = weight * (4 * share - 3)
+    return float(max((trust * steep).sum() / max((trust * weight).sum(), 1e-12), _LEAST_SHARE))
 
 
 def tiles_of(xy: Array) -> NDArray[np.intp]:

@@ -17,7 +17,12 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.vision.borders import Measured
-from padstudio.vision.covariance import pose_covariance, sums_by_tile, tiles_of
+from padstudio.vision.covariance import (
+    newton_share,
+    pose_covariance,
+    sums_by_tile,
+    tiles_of,
+)
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.types import Array
 
@@ -27,8 +32,8 @@ from padstudio.vision.types import Array
 _SHIFT_SIGMA, _CLIMB_SIGMA, _TURN_SIGMA = 0.005, 0.0005, 0.004
 # A known motion is held to this many times more tightly, in variances.
 _KNOWN_MOTION = 4.0
-# What a change of height may really be where nobody knows, for the covariance: a third of the height
-# a second, in 25 ms.
+# What a change of height may really be where nobody knows, for the covariance: a third of the
+# height a second, in 25 ms.
 _CLIMB_CONSIDERED = 0.008
 _CLIMB = 8
 # The moving model must lower the sum of squares by this many variances, six being free.
@@ -129,6 +134,8 @@ def fit_pose(
     def find_covariance() -> Array:
         trust = _trust(residual, measured.weight, sigma)
         normal = kernels.normal_equations(rows, moment, trust, 12)[0]
+        robust = trust * sigma**2 / np.maximum(measured.weight, 1e-12)
+        normal *= newton_share(robust, measured.weight)
         jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
         scores = sums_by_tile(jacobian * (trust * residual)[:, None], tiles_of(measured.xy))
         return prior.covariance(normal, scores, rolling=rolling)

@@ -1,0 +1,29 @@
+"""Compiled loops of the search."""
+
+import numpy as np
+from dense_frames import random_pose
+
+from padstudio.vision import kernels_search as kernels
+from padstudio.vision.motion import MovingPose
+
+
+def test_coherence_is_whole_for_a_grid_seen_squarely_and_low_elsewhere():
+    """Edges along two directions at right angles on a known plane."""
+    rng = np.random.default_rng(8)
+    pose = random_pose(rng, 500.0, tilt_deg=25.0)
+    points = np.column_stack([rng.uniform(-150, 150, (300, 2)), np.zeros(300)])
+    along = np.where(rng.random(300)[:, None] < 0.5, [1.0, 0, 0], [0, 1.0, 0])
+    a, b = (MovingPose(pose).to_camera(points + side * along) for side in (-1, 1))
+    lines = np.cross(a, b)
+    lines /= np.linalg.norm(lines, axis=1, keepdims=True)
+    rays = MovingPose(pose).to_camera(points)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    true = -pose.rotation.T[:, 2]
+    tilted = np.array([true + 0.35 * np.roll(np.eye(3)[0], k) for k in range(3)])
+    normals = np.vstack([true, tilted / np.linalg.norm(tilted, axis=1, keepdims=True)])
+    first = np.array([1.0, 0, 0]) - normals * normals[:, :1]
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    found = np.abs(kernels.coherence(normals, lines, rays, first, 6.0, 0.05))
+    assert found[0] > 0.95
+    assert (found[1:] < found[0]).all()
+    assert (found <= 1 + 1e-9).all()
