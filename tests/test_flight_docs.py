@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import av
+import httpx
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -146,3 +147,11 @@ def test_the_documents_in_python(folder, address):
 def test_the_readme_in_python(folder, address):
     said = run_python(block("README.md", "python", "tusclient"), folder, address)
     heights_are_true([json.loads(line)["position_mm"][2] for line in said.splitlines()])
+
+
+def test_uploads_as_their_document_shows(folder, address):
+    by_python = run_python(block("docs/uploads.md", "python", "TusClient"), folder, address).strip()
+    by_curl = json.loads(run_shell(block("docs/uploads.md", "sh", "curl"), folder, address))
+    assert (by_curl["complete"], by_curl["name"]) == (True, "flight.mp4")
+    found = httpx.get(f"{address}/api/v1/uploads", params={"sha256": by_curl["sha256"]}).json()
+    assert {by_python, by_curl["id"]} <= {upload["id"] for upload in found["items"]}
