@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import httpx
 import pytest
 
-PAGES = ("/design", "/plan", "/diagnose")
+PAGES = ("/design", "/plan", "/diagnose", "/flights", "/flights/0123456789abcdef")
 
 
 class _Audit(HTMLParser):
