@@ -161,3 +161,24 @@ def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tu
         for b in range(a):
             normal[b, a] = normal[a, b]
     return normal, right
+
+
+@jit
+def look_up(layer: NDArray[np.float32], x: Array, y: Array) -> tuple[Array, Array]:
+    """See `padstudio.vision.pattern`: bilinear values (N,), and slopes (N, 2) over a pixel."""
+    h, w = layer.shape
+    value, slope, near = np.empty(len(x)), np.empty((len(x), 2)), np.empty(5)
+    for i in range(len(x)):
+        for k in range(5):
+            # The place itself, then half a pixel to the left, right, top and bottom of it.
+            px = x[i] + (0.5 if k == 2 else -0.5 if k == 1 else 0.0)
+            py = y[i] + (0.5 if k == 4 else -0.5 if k == 3 else 0.0)
+            px, py = min(max(px, 0.0), w - 1.001), min(max(py, 0.0), h - 1.001)
+            c, r = int(px), int(py)
+            fx, fy = px - c, py - r
+            top = layer[r, c] * (1 - fx) + layer[r, c + 1] * fx
+            low = layer[r + 1, c] * (1 - fx) + layer[r + 1, c + 1] * fx
+            near[k] = top * (1 - fy) + low * fy
+        value[i] = near[0]
+        slope[i, 0], slope[i, 1] = near[2] - near[1], near[4] - near[3]
+    return value, slope

@@ -45,11 +45,11 @@ class Texture:
     mm: tuple[float, float]
     size_mm: tuple[float, float]
 
-    def coordinates(self, points: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def coordinates(self, points: Array) -> tuple[Array, Array]:
         """Texture pixels of pad points (N, 2), mm."""
         x = (points[:, 0] + self.size_mm[0] / 2) / self.mm[0] - 0.5
         y = (self.size_mm[1] / 2 - points[:, 1]) / self.mm[1] - 0.5
-        return x.astype(np.float32), y.astype(np.float32)
+        return x, y
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,17 +163,8 @@ def by_pose(pose: MovingPose, rays: Array, direction: Array) -> Array:
 
 def look_up(texture: Texture, layer: NDArray[np.float32], points: Array) -> tuple[Array, Array]:
     """Brightness (N,) at pad points, and its slope (N, 2) per mm of X and Y."""
+    from padstudio.vision import kernels
+
     x, y = texture.coordinates(points)
-
-    def at(dx: float, dy: float) -> Array:
-        # cv2.remap takes at most 32767 columns.
-        shape = (-1, 256)
-        pad_count = -len(x) % 256
-        px = np.pad(x + np.float32(dx), (0, pad_count), mode="edge").reshape(shape)
-        py = np.pad(y + np.float32(dy), (0, pad_count), mode="edge").reshape(shape)
-        values = cv2.remap(layer, px, py, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.asarray(values, float).ravel()[: len(x)]
-
-    slope_x = (at(0.5, 0) - at(-0.5, 0)) / texture.mm[0]
-    slope_y = -(at(0, 0.5) - at(0, -0.5)) / texture.mm[1]
-    return at(0, 0), np.stack([slope_x, slope_y], axis=1)
+    value, slope = kernels.look_up(layer, x, y)
+    return value, slope / np.array([texture.mm[0], -texture.mm[1]])
