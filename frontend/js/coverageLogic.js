@@ -161,6 +161,18 @@ export function widestBands(coverage) {
 }
 
 /**
+ * What the dead band means, at the least tilt that has one; empty where there is none.
+ * @param {MethodCoverage | null} coverage
+ * @returns {string}
+ */
+export function deadBandInWords(coverage) {
+  const [band] = coverage ? widestBands(coverage) : [];
+  if (!band) return "";
+  const place = band.tilt_deg ? `At ${band.tilt_deg}° of tilt and more, f` : "F";
+  return `${place}${band.message.slice(1)}.`;
+}
+
+/**
  * Heights that each layer reads from straight above.
  * @param {MethodCoverage} coverage
  * @returns {[string, string][]}

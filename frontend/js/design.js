@@ -153,7 +153,7 @@ async function preview(spec) {
   const mine = begin();
   set({ busy: true });
   try {
-    set({ bounds: await planApi.padBounds(spec, mine.signal) });
+    await tellBounds(spec, mine.signal);
     const answer = await api.previewPad(spec, mine.signal);
     showPad(answer.pad, answer.verification);
   } catch (error) {
@@ -162,6 +162,11 @@ async function preview(spec) {
     set({ pad: null, verification: null, fault: api.messageOf(error), refused });
   }
   set({ busy: false });
+}
+
+/** @param {import("./specLogic.js").PadSpec} spec @param {AbortSignal} signal */
+async function tellBounds(spec, signal) {
+  set({ bounds: await planApi.padBounds(spec, signal) });
 }
 
 /** @returns {AbortController} of the pad that is fetched from now on */
@@ -187,6 +192,15 @@ function showPad(file, verification) {
 /** @param {unknown} error */
 function fail(error) {
   set({ status: { kind: "bad", text: api.messageOf(error) } });
+}
+
+/** @param {() => Promise<void>} act */
+async function attempt(act) {
+  try {
+    await act();
+  } catch (error) {
+    fail(error);
+  }
 }
 
 /** @returns {Promise<string | null>} the stored pad's id */
@@ -237,6 +251,8 @@ async function openPad(id) {
 async function verify(id, signal) {
   set({ verifying: true });
   try {
+    const { spec } = parseSpec(state.texts, view.bounds);
+    if (spec) await tellBounds(spec, signal);
     const { verification } = await planApi.verifyPad(id, signal);
     if (state.savedId === id) set({ verification });
   } catch (error) {
@@ -253,44 +269,27 @@ function onOpen(id) {
 
 /** @param {string} id */
 async function onDelete(id) {
-  try {
+  await attempt(async () => {
     await api.deletePad(id);
     if (state.savedId === id) set({ savedId: null, scale: [1, 1] });
     set({ status: { kind: "ok", text: "Deleted the pad." } });
-  } catch (error) {
-    fail(error);
-  }
+  });
   await refreshList();
 }
 
 /** @param {File} file */
-async function importFile(file) {
-  try {
+const importFile = (file) =>
+  attempt(async () => {
     const isPad = /\.json$/i.test(file.name);
     const { id, name } = await api.importPad(file, isPad ? {} : tableSizes(state.texts));
     await refreshList();
     onOpen(id);
     set({ status: { kind: "ok", text: `Imported “${name}”.` } });
-  } catch (error) {
-    fail(error);
-  }
-}
+  });
 
-async function refreshList() {
-  try {
-    set({ pads: (await api.listPads()).items });
-  } catch (error) {
-    fail(error);
-  }
-}
+const refreshList = () => attempt(async () => set({ pads: (await api.listPads()).items }));
 
-async function listCameras() {
-  try {
-    set({ cameras: await api.listCameras() });
-  } catch (error) {
-    fail(error);
-  }
-}
+const listCameras = () => attempt(async () => set({ cameras: await api.listCameras() }));
 
 document.addEventListener("themechange", render);
 render();

@@ -30,7 +30,7 @@ import { mountSheetPreview } from "./components/sheetPreview.js";
 import { mountSpecForm } from "./components/specForm.js";
 import { mountStatus } from "./components/status.js";
 import { mountVerificationPanel } from "./components/verificationPanel.js";
-import { heightFacts, ofMethod } from "./coverageLogic.js";
+import { deadBandInWords, heightFacts, ofMethod } from "./coverageLogic.js";
 import { boundsInWords, padFacts, sheetInWords } from "./designLogic.js";
 import { cameraGroups } from "./diagnoseLogic.js";
 import { cellFacts, planFacts, rulerTexts, stripInWords } from "./printLogic.js";
@@ -109,7 +109,7 @@ function printState(state) {
       ...(pad ? cellFacts(pad, state.scale) : []),
       ...(pad && dense ? heightFacts(dense) : []),
     ],
-    warning: dense?.dead_bands.find((band) => band.tilt_deg === 0)?.message ?? "",
+    warning: deadBandInWords(dense),
     rulers: rulerTexts(state.scale),
     isSaved: Boolean(state.savedId),
     strip: state.strip && stripInWords(state.strip),

@@ -27,7 +27,7 @@ import { mountFilmStrip } from "./components/filmStrip.js";
 import { mountStatus } from "./components/status.js";
 import { mountSuccessMap } from "./components/successMap.js";
 import { mountTextForm } from "./components/textForm.js";
-import { heightFacts, ofMethod } from "./coverageLogic.js";
+import { deadBandInWords, heightFacts, ofMethod } from "./coverageLogic.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "./diagnoseLogic.js";
 import { diagnoseLink, isAsked, parseFrames } from "./frameLogic.js";
 import { adviceFacts, designLink, dotsOf, parseMap, parseWish } from "./planLogic.js";
@@ -90,8 +90,7 @@ export function makePlanView(events) {
       dots: dotsOf(state.map),
     });
     byId("chart-empty").hidden = Boolean(coverage);
-    byId("dead-band").textContent =
-      sentence(coverage?.dead_bands.find((band) => band.tilt_deg === 0)?.message ?? "");
+    byId("dead-band").textContent = deadBandInWords(coverage);
     chartFacts.update(coverage ? heightFacts(coverage) : []);
     const { plan, errors } = parseMap(state.mapTexts, coverage);
     mapForm.update({ texts: state.mapTexts, errors });

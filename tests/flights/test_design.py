@@ -35,3 +35,12 @@ def test_what_cannot_be_is_refused() -> None:
         design.generate(SPEC | {"ratio": 11}, 30.0)
     with pytest.raises(PadFormatError):
         design.read(b"{}")
+
+
+def test_a_table_is_the_red_layer_and_its_upper_left_part_the_blue():
+    sizes = design.TableSizes("table", window=2, cell_mm=3, ratio=2)
+    made = design.read(b"0,0,0,1\n0,1,1,1\n1,1,0,1\n0,0,1,1\n", ".csv", sizes)
+    assert made.summary["size_mm"] == [12, 12]
+    assert [layer["cell_mm"] for layer in made.summary["layers"]] == [3, 6]
+    found = design.verify_content(made.content)
+    assert found["unique"] is (made.summary["unique"] is not None)

@@ -78,15 +78,26 @@ class TableSizes:
     quiet_mm: float = 0.0
 
 
-def read(content: bytes, suffix: str, sizes: TableSizes) -> Design:
+def read(content: bytes, suffix: str = ".json", sizes: TableSizes | None = None) -> Design:
     """Read an imported file: a pad file, or by its suffix a table or picture of the red layer.
+
+    Parameters
+    ----------
+    content : bytes
+    suffix : str
+        Of the file's name, in small letters; none is taken for a pad file's.
+    sizes : TableSizes, optional
+        Of a table or picture.
 
     Raises
     ------
     PadFormatError
         With the place and the reason.
     """
-    pad = pad_files.loads(content) if suffix in ("", ".json") else _of_table(content, suffix, sizes)
+    if suffix in ("", ".json"):
+        pad = pad_files.loads(content)
+    else:
+        pad = _of_table(content, suffix, sizes or TableSizes())
     return Design(pad_files.dumps(pad), summarize(pad))
 
 

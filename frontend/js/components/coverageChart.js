@@ -141,11 +141,17 @@ const outlines = (frame, other) =>
 function bands(frame, coverage) {
   const found = widestBands(coverage);
   if (!found.length) return [];
-  const first = found[0];
-  const y = (yOf(frame, first.low_mm) + yOf(frame, first.high_mm)) / 2;
+  const widest = found.reduce((a, b) => (b.high_mm / b.low_mm > a.high_mm / a.low_mm ? b : a));
+  const isLate = widest.tilt_deg > MOST_DEG / 2;
+  const name = {
+    x: xOf(frame, widest.tilt_deg) + (isLate ? -8 : 8),
+    y: (yOf(frame, widest.low_mm) + yOf(frame, widest.high_mm)) / 2 + 4,
+    "text-anchor": isLate ? "end" : "start",
+    class: "dead-band-name",
+  };
   return [
-    titled(draw("path", { d: areaPath(frame, found), class: "dead-band" }), first.message),
-    draw("text", { x: xOf(frame, first.tilt_deg) + 8, y: y + 4, class: "dead-band-name" }, "dead band"),
+    titled(draw("path", { d: areaPath(frame, found), class: "dead-band" }), widest.message),
+    draw("text", name, "dead band"),
   ];
 }
 

@@ -1,5 +1,5 @@
 import {
-  areaPath, channelsOf, heightFacts, heightRange, heightSteps, logTicks, ofMethod, placeInWords,
+  areaPath, channelsOf, deadBandInWords, heightFacts, heightRange, heightSteps, logTicks, ofMethod, placeInWords,
   placeOf, widestBands, xOf, yOf,
 } from "/static/js/coverageLogic.js";
 import { contains, equal, near } from "./check.js";
@@ -12,7 +12,7 @@ const DENSE = {
     span("red", 30, 50, 300), span("blue", 30, null, null),
   ],
   dead_bands: [
-    { tilt_deg: 0, low_mm: 400, high_mm: 800, message: "none reads" },
+    { tilt_deg: 0, low_mm: 400, high_mm: 800, message: "from 400 to 800 mm no layer reads" },
     { tilt_deg: 0, low_mm: 500, high_mm: 600, message: "narrow" },
   ],
 };
@@ -47,6 +47,12 @@ export const tests = {
     equal(areaPath(FRAME, [span("red", 0, null, null)]), "");
   },
   "the widest dead band of a tilt": () => equal(widestBands(DENSE), [DENSE.dead_bands[0]]),
+  "a dead band in words, with the tilt where it begins": () => {
+    equal(deadBandInWords(DENSE), "From 400 to 800 mm no layer reads.");
+    const leaning = { ...DENSE, dead_bands: [{ ...DENSE.dead_bands[0], tilt_deg: 30 }] };
+    contains(deadBandInWords(leaning), "At 30° of tilt and more, from 400");
+    equal([deadBandInWords({ ...DENSE, dead_bands: [] }), deadBandInWords(null)], ["", ""]);
+  },
   "heights from straight above, in words": () => {
     equal(heightFacts(DENSE), [["Red layer", "60.0 mm … 400 mm"], ["Blue layer", "800 mm … 4.00 m"]]);
   },
