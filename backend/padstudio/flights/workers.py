@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
+import os
 import signal
 import sys
 import threading
@@ -176,6 +177,9 @@ def _serve(pipe: Connection, memory_bytes: int) -> None:
     # Ctrl-C reaches the whole group; the server ends its workers itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _limit_memory(memory_bytes)
+    # Where every core has a worker, threads of linear algebra wait for each other, ten times as
+    # long as they compute. NumPy reads this when it is first imported.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     while True:
         try:
             function, args = pipe.recv()
