@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import io
 import json
@@ -10,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import cv2
 import httpx
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from mcap.reader import make_reader
 from web_server import running, settings_for, wait_until
 
 FOOTAGE = Path(__file__).parents[1] / "footage"
+SAMPLES = FOOTAGE.parents[1] / "samples"
 FRAMES = 4
 Refused = Callable[..., dict[str, Any]]
 
@@ -40,29 +43,30 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
         yield client
 
 
-@pytest.fixture(scope="module")
-def flight(server: httpx.Client) -> str:
-    """The address of a flight of a few frames."""
-    files = {"pads/import": "pad_a.json", "cameras": "camera_drone_2k7.yaml"}
-    pad, camera = (
-        server.post(f"/api/v1/{where}", files={"file": (name, (FOOTAGE / name).read_bytes())})
+def _fly(server: httpx.Client, folder: Path, uploads: list[str], **order: Any) -> str:
+    """The address of a finished flight; the folder holds its pad and camera."""
+    ids = {
+        kind: server.post(f"/api/v1/{where}", files={"file": (path.name, path.read_bytes())})
         .raise_for_status()
         .json()["id"]
-        for where, name in files.items()
-    )
-    order = {
-        "uploads": [_upload(server, FOOTAGE / "flights" / "landing.mp4")],
-        "pad": pad,
-        "camera": camera,
-        "end_frame": FRAMES,
-        "name": "die Landung",
+        for kind, where, path in (
+            ("pad", "pads/import", next(folder.glob("pad*.json"))),
+            ("camera", "cameras", next(folder.glob("camera*2k7.yaml"), folder / "camera.yaml")),
+        )
     }
-    made = server.post("/api/v1/flights", json=order)
+    made = server.post("/api/v1/flights", json={"uploads": uploads} | ids | order)
     address = str(made.raise_for_status().headers["location"])
     wait_until(lambda: server.get(address).json()["state"] not in ("queued", "running"))
     state = server.get(address).json()
-    assert (state["state"], state["frames_ok"]) == ("done", FRAMES), state
+    assert (state["state"], state["frames_ok"]) == ("done", state["frames_total"]), state
     return address
+
+
+@pytest.fixture(scope="module")
+def flight(server: httpx.Client) -> str:
+    """The address of a flight of a few frames."""
+    landing = _upload(server, FOOTAGE / "flights" / "landing.mp4")
+    return _fly(server, FOOTAGE, [landing], end_frame=FRAMES, name="die Landung")
 
 
 @pytest.fixture(scope="module")
@@ -141,3 +145,26 @@ def test_an_upload_that_a_flight_needs_stays(
     upload = server.get(flight).json()["sources"][0]["upload"]
     refused(server.delete(f"/api/v1/uploads/{upload}"), 409, "upload_in_use")
     assert server.get(f"/api/v1/uploads/{upload}").json()["complete"] is True
+
+
+def test_stills_and_zips_of_them(server: httpx.Client, tmp_path: Path) -> None:
+    stills = [SAMPLES / f"height_{height}mm.jpg" for height in (1300, 450)]
+    with zipfile.ZipFile(tmp_path / "more.zip", "w") as archive:
+        archive.write(stills[1], "descent/0001.jpg")
+    uploads = [_upload(server, stills[0]), _upload(server, tmp_path / "more.zip")]
+    address = _fly(server, SAMPLES, uploads)
+    data = server.get(f"{address}/export/mcap", params={"images": True}).content
+    reader = make_reader(io.BytesIO(data))
+    pictures = [
+        cv2.imdecode(np.frombuffer(base64.b64decode(json.loads(m.data)["data"]), np.uint8), 1)
+        for _, _, m in reader.iter_messages(topics=["/camera/image"])
+    ]
+    for picture, path in zip(pictures, stills, strict=True):
+        difference = np.abs(picture.astype(float) - cv2.imread(str(path)))
+        assert difference.mean() < 3
+    calibration = next(reader.iter_messages(topics=["/camera/calibration"]))[2]
+    size = json.loads(calibration.data)
+    assert (size["height"], size["width"]) == pictures[0].shape[:2]
+    model = server.get(f"{address}/export/colmap").content
+    with zipfile.ZipFile(io.BytesIO(model)) as archive:
+        assert "descent/0001.jpg" in archive.read("images.txt").decode()
