@@ -11,7 +11,8 @@ import pytest
 from browser_support import STILL, set_up_reading
 from playwright.sync_api import Page, expect
 
-PAGES = ("/design?rows=25&cols=25", "/diagnose")
+#: The last stands for the page of a flight that is done.
+PAGES = ("/design?rows=25&cols=25", "/diagnose", "/flights", "flight")
 LOOKS = [(width, theme) for width in (1280, 390) for theme in ("light", "dark")]
 
 # Elements that a user operates or reads, without those that are hidden.
@@ -77,13 +78,26 @@ _FOCUSED = """() => {
 }"""
 
 
+@pytest.fixture
+def address(request: pytest.FixtureRequest, path: str) -> str:
+    """The address of a page of `PAGES`."""
+    return str(request.getfixturevalue("flight_path")) if path == "flight" else path
+
+
 @pytest.mark.parametrize(("width", "theme"), LOOKS)
 @pytest.mark.parametrize("path", PAGES)
 def test_names_contrast_and_width(
-    open_page: Callable[..., Page], path: str, width: int, theme: str
+    open_page: Callable[..., Page], address: str, path: str, width: int, theme: str
 ) -> None:
-    page = open_page(path, width=width, theme=theme)
-    if path.startswith("/diagnose"):
+    page = open_page(address, width=width, theme=theme)
+    if path == "flight":
+        expect(page.locator("#verdict")).to_contain_text("Pose found")
+        page.locator("#charts").scroll_into_view_if_needed()
+        chart = page.locator("[data-ref=space] .main-svg").first
+        expect(chart).to_be_attached(timeout=120_000)
+    elif path == "/flights":
+        expect(page.locator("#order")).to_be_visible()
+    elif path.startswith("/diagnose"):
         set_up_reading(page)
         page.get_by_label("Choose pictures").set_input_files(STILL)
         expect(page.locator("#verdict")).to_contain_text("Pose found")
@@ -96,8 +110,8 @@ def test_names_contrast_and_width(
 
 
 @pytest.mark.parametrize("path", PAGES)
-def test_structure(open_page: Callable[..., Page], path: str) -> None:
-    page = open_page(path)
+def test_structure(open_page: Callable[..., Page], address: str) -> None:
+    page = open_page(address)
     assert page.locator("html").get_attribute("lang") == "en"
     assert page.locator("h1").count() == 1
     assert page.locator("main").count() == 1
@@ -117,12 +131,12 @@ def test_structure(open_page: Callable[..., Page], path: str) -> None:
     assert inline == []
 
 
-@pytest.mark.parametrize("path", PAGES)
+@pytest.mark.parametrize("path", PAGES[:-1])
 def test_tab_reaches_everything_in_reading_order_with_a_visible_focus(
     open_page: Callable[..., Page], path: str
 ) -> None:
     page = open_page(path)
-    expect(page.locator("#viewer canvas, #welcome").first).to_be_visible()
+    expect(page.locator("#viewer canvas, #welcome, #order").first).to_be_visible()
     seen: list[dict[str, Any]] = []
     for _ in range(60):
         page.keyboard.press("Tab")
