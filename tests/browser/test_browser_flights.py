@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from browser_support import PAD_FILE
+from browser_support import PAD_FILE, Complaints
 from flight_footage import BLANK, FLIGHT_CAMERA, FRAMES
 from playwright.sync_api import Page, expect
 
@@ -161,3 +161,26 @@ def test_another_run_beside_the_first(open_page: Callable[..., Page], flight_pat
     _at_frame(page, 2)
     page.get_by_role("button", name="Compare with").first.click()
     expect(page).not_to_have_url(re.compile("with="))
+
+
+def test_a_flight_is_stopped_and_taken_up_again(
+    open_page: Callable[..., Page], flight_path: str
+) -> None:
+    page = open_page(flight_path)
+    page.get_by_role("button", name="Run again").click()
+    page.get_by_role("dialog").get_by_role("button", name="Run", exact=True).click()
+    expect(page).to_have_url(re.compile(r"with="))
+    page.get_by_role("button", name="Cancel").click()
+    state = page.locator("#head [data-ref=state]")
+    expect(state).to_have_text("Cancelled")
+    page.get_by_role("button", name="Try again").click()
+    expect(state).to_have_text("Done", timeout=SLOW_MS)
+    expect(page.locator("#summary")).to_contain_text(f"{FRAMES - len(BLANK)} of {FRAMES}")
+
+
+def test_a_flight_that_is_not_there(open_page: Callable[..., Page], complaints: Complaints) -> None:
+    complaints.expected = {404}
+    page = open_page("/flights/0123456789abcdef")
+    expect(page.locator("#status")).to_contain_text("no flight of that id")
+    expect(page.locator("#charts")).to_be_hidden()
+    expect(page.locator("#downloads")).to_be_hidden()
