@@ -114,7 +114,7 @@ export function spaceChart({ trajectory, samples }, padSize, palette) {
   ];
   return {
     data: [...padSurface(padSize, palette), ...data],
-    layout: { scene: scene(palette), showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 } },
+    layout: { scene: scene(palette, distanceFor(trajectory, padSize)), showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 } },
   };
 }
 
@@ -128,8 +128,24 @@ function padSurface(size, palette) {
   }];
 }
 
-/** @param {Palette} palette */
-function scene(palette) {
+/**
+ * How far off all of a flight is in view; a high and narrow one needs more distance.
+ * @param {Trajectory} trajectory
+ * @param {[number, number] | null} padSize  mm
+ * @returns {number} 1 for a flight as high as it is wide
+ */
+function distanceFor({ x_mm: x, y_mm: y, z_mm: z }, padSize) {
+  const extent = (/** @type {(number | null)[]} */ values, least = 1) => {
+    const known = values.filter((value) => value !== null);
+    return Math.max(known.length ? Math.max(...known) - Math.min(...known) : 0, least);
+  };
+  const wide = Math.max(extent(x, padSize?.[0]), extent(y, padSize?.[1]));
+  // Plotly keeps the volume of the scene, so that its height grows so with its proportions.
+  return Math.max(1, (extent([...z, 0]) / wide) ** (2 / 3));
+}
+
+/** @param {Palette} palette @param {number} distance */
+function scene(palette, distance) {
   const axis = (/** @type {string} */ title) => ({
     title: { text: title }, color: palette.ink2, gridcolor: palette.line, showbackground: false,
     zerolinecolor: palette.line,
@@ -139,7 +155,7 @@ function scene(palette) {
     xaxis: axis("X (m)"),
     yaxis: axis("Y (m)"),
     zaxis: { ...axis("Height (m)"), rangemode: "tozero" },
-    camera: { eye: { x: 1.5, y: -1.7, z: 0.7 }, center: { x: 0, y: 0, z: -0.15 } },
+    camera: { eye: { x: 1.4 * distance, y: -1.6 * distance, z: 0.6 * distance } },
   };
 }
 

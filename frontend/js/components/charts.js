@@ -112,6 +112,7 @@ function styled(layout, root) {
     plot_bgcolor: "transparent",
     font: { family: getComputedStyle(root).fontFamily, size: 12, color: palette.ink2 },
     margin: { l: 56, r: 8, t: 8, b: 44 },
+    modebar: { bgcolor: "transparent", color: palette.other, activecolor: palette.ink },
     legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
     hoverlabel: { bgcolor: palette.surface, bordercolor: palette.line, font: { color: palette.ink } },
     ...layout,
