@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 
 from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.exc import IntegrityError
@@ -144,7 +145,7 @@ class UploadRows:
         with self._session() as session:
             return {row[0] or "": row[1] for row in session.execute(found)}
 
-    def _all(self, found: Select[tuple[UploadRow]]) -> list[Upload]:
+    def _all(self, found: Select[Any]) -> list[Upload]:
         with self._session() as session:
             return [self._upload(row) for row in session.scalars(found)]
 

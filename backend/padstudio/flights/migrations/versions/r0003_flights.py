@@ -1,5 +1,7 @@
 """Flights, their chunks and frames."""
 
+from __future__ import annotations
+
 import sqlalchemy as sa
 from alembic import op
 
@@ -12,7 +14,7 @@ _key = sa.BigInteger().with_variant(sa.Integer, "sqlite")
 _time = sa.DateTime(timezone=True)
 
 
-def _flight(*, primary_key: bool) -> sa.Column:
+def _flight(*, primary_key: bool) -> sa.Column[int]:
     return sa.Column(
         "flight",
         sa.BigInteger,
