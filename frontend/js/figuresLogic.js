@@ -155,7 +155,10 @@ function scene(palette, distance) {
     xaxis: axis("X (m)"),
     yaxis: axis("Y (m)"),
     zaxis: { ...axis("Height (m)"), rangemode: "tozero" },
-    camera: { eye: { x: 1.4 * distance, y: -1.6 * distance, z: 0.6 * distance } },
+    camera: {
+      eye: { x: 1.55 * distance, y: -1.75 * distance, z: 0.65 * distance },
+      center: { x: 0, y: 0, z: -0.1 },
+    },
   };
 }
 

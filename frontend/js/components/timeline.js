@@ -100,6 +100,7 @@ export function mountTimeline(root, { onSeek, onPart }) {
       state = next;
       const { timeline, whole, frame, timeS } = state;
       find("empty").hidden = Boolean(timeline?.columns.length);
+      find("other").hidden = !state.other;
       track.setAttribute("aria-valuemin", String(whole?.first ?? 0));
       track.setAttribute("aria-valuemax", String(whole?.last ?? 0));
       track.setAttribute("aria-valuenow", String(frame ?? 0));
