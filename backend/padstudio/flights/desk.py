@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sqlalchemy.orm import Session, sessionmaker
 
-from padstudio.errors import NotFoundError, SpecError
+from padstudio.errors import SpecError
 from padstudio.flights import work
 from padstudio.flights.chunks import Chunks
 from padstudio.flights.detectors import params_from
@@ -190,4 +190,4 @@ def check_uploads(uploads: Sequence[Upload]) -> None:
             code="mixed_uploads",
         )
     if len({upload.id for upload in uploads}) < len(uploads):
-        raise NotFoundError("an upload is named twice; name each once", code="mixed_uploads")
+        raise SpecError("an upload is named twice; name each once", code="mixed_uploads")

@@ -23,8 +23,6 @@ logger = logging.getLogger(__name__)
 
 _IDLE_S = 1.0
 _RETRY_S = 5.0
-# A worker whose next task waits beside it need not wait for us.
-_TASKS_PER_WORKER = 2
 
 
 class Runner:
@@ -100,7 +98,8 @@ class Runner:
                 raise
 
     def _room(self) -> int:
-        return self._engine.capacity * _TASKS_PER_WORKER - len(self._at_work)
+        # A task that waited beside another would be blamed for the death of its worker.
+        return self._engine.capacity - len(self._at_work)
 
     def _submit(self, claim: Claim) -> None:
         loaded = self._chunks.load(claim)
