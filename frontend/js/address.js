@@ -30,3 +30,16 @@ export function download(url, name = "") {
   link.click();
   link.remove();
 }
+
+// Long enough for a browser to ask where a file goes.
+const KEPT_MS = 60_000;
+
+/**
+ * Save a file that the page holds.
+ * @param {File} file
+ */
+export function saveFile(file) {
+  const url = URL.createObjectURL(file);
+  download(url, file.name);
+  window.setTimeout(() => URL.revokeObjectURL(url), KEPT_MS);
+}

@@ -186,7 +186,10 @@ export const getSample = () => request("GET", "/samples");
 export async function fetchFile(url) {
   const response = await fetch(url);
   if (!response.ok) throw await refusal(response);
-  return new File([await response.blob()], url.split("/").pop() ?? "file");
+  const header = response.headers.get("Content-Disposition") ?? "";
+  const given = /filename\*=UTF-8''([^;]+)/.exec(header)?.[1];
+  const name = given ? decodeURIComponent(given) : url.split("/").pop();
+  return new File([await response.blob()], name ?? "file");
 }
 
 // Detection

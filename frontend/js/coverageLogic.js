@@ -114,6 +114,28 @@ export function placeOf(frame, x, y) {
   };
 }
 
+const KEY_STEPS = /** @type {Record<string, [number, number]>} */ ({
+  ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+});
+const STEP_DEG = 2.5;
+const STEP_RATIO = 1.1;
+
+/**
+ * Where an arrow key takes a place of the chart; null for other keys.
+ * @param {{tiltDeg: number, heightMm: number}} place
+ * @param {string} key
+ * @param {Frame} frame
+ * @returns {{tiltDeg: number, heightMm: number} | null}
+ */
+export function moved({ tiltDeg, heightMm }, key, { mostDeg, lowMm, highMm }) {
+  const step = KEY_STEPS[key];
+  if (!step) return null;
+  return {
+    tiltDeg: Math.min(mostDeg, Math.max(0, tiltDeg + step[0] * STEP_DEG)),
+    heightMm: Math.min(highMm, Math.max(lowMm, heightMm * STEP_RATIO ** step[1])),
+  };
+}
+
 /**
  * The outline of one layer's heights, as an SVG path; empty where it reads nowhere.
  * @param {Frame} frame

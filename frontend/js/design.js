@@ -32,7 +32,7 @@
  * @property {import("./components/status.js").Status} status
  */
 
-import { download, readAddress, writeAddress } from "./address.js";
+import { readAddress, writeAddress } from "./address.js";
 import * as api from "./api.js";
 import { tableSizes, textsOfPad } from "./designLogic.js";
 import { makeDesignView } from "./designView.js";
@@ -40,7 +40,7 @@ import { viewOfPad } from "./padLogic.js";
 import * as planApi from "./planApi.js";
 import { makePrintDesk } from "./printDesk.js";
 import { fileQuery, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
-import { makePrintReports } from "./printReports.js";
+import { makePrints } from "./prints.js";
 import { parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
 
@@ -81,10 +81,13 @@ const view = makeDesignView({
   onView: (view) => set({ view }),
   onPair: (pair) => set({ pair, ...(pair === null ? {} : { viewport: null }) }),
   onPrint: (print) => set({ print }),
-  onMeasured: (x, y) => void reports.takeReadings(x, y),
-  onStripPhoto: (photo) => void reports.takeStripPhoto(photo),
+  onMeasured: (x, y) => void prints.takeReadings(x, y),
+  onStripPhoto: (photo) => void prints.takeStripPhoto(photo),
   onCamera: (camera) => set({ camera }),
-  onDownload: (form) => void fetchFile(form),
+  onDownload: (form) => {
+    const { options } = parsePrint(state.print);
+    if (options) void prints.fetchFile(form, fileQuery(form, options));
+  },
   onOpen,
   onDelete,
   onImport: (file) => void importFile(file),
@@ -94,7 +97,7 @@ const desk = makePrintDesk({
   onChart: (chart) => set({ chart }),
 });
 
-const reports = makePrintReports({
+const prints = makePrints({
   padId: save,
   onScale: async (scale) => {
     set({ scale });
@@ -223,13 +226,6 @@ async function save() {
   }
 }
 
-/** @param {string} form */
-async function fetchFile(form) {
-  const { options } = parsePrint(state.print);
-  const id = options && (await save());
-  if (options && id) download(api.padFileUrl(id, form, fileQuery(form, options)));
-}
-
 /** @param {string} id */
 async function openPad(id) {
   const mine = begin();
@@ -263,7 +259,8 @@ async function verify(id, signal) {
 
 /** @param {string} id */
 function onOpen(id) {
-  set({ viewport: null, status: null });
+  // At once, so that nothing is done to the pad before it.
+  set({ savedId: id, viewport: null, status: null });
   void openPad(id);
 }
 

@@ -75,11 +75,11 @@ const view = makePlanView({
   onMapStop: () => maps.stop(),
   onFrame: (frame) => set({ frame }),
   onTake: () => void takeFrames(),
-  onPlace: ({ tiltDeg, heightMm }) => {
-    const place = { height_mm: String(Number(heightMm.toPrecision(3))), tilt_deg: tiltDeg.toFixed(0) };
-    set({ frame: { ...state.frame, kind: "one", ...place } });
+  onPlace: (place) => {
+    aim(place);
     void takeFrames();
   },
+  onAim: aim,
   onShot: (chosen) => set({ chosen }),
 });
 const intake = makeIntake({
@@ -116,6 +116,12 @@ function choose(change) {
   maps.stop();
   for (const { url } of state.shots) if (url) URL.revokeObjectURL(url);
   set({ ...change, map: null, mapProgress: "", shots: [], chosen: 0, frameProgress: "" });
+}
+
+/** @param {{tiltDeg: number, heightMm: number}} place  one picture from there */
+function aim({ tiltDeg, heightMm }) {
+  const place = { height_mm: String(Number(heightMm.toPrecision(3))), tilt_deg: String(Number(tiltDeg.toFixed(1))) };
+  set({ frame: { ...state.frame, kind: "one", ...place } });
 }
 
 function writeState() {

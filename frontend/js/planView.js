@@ -17,6 +17,7 @@
  * @property {(texts: Texts) => void} onFrame
  * @property {() => void} onTake
  * @property {(place: {tiltDeg: number, heightMm: number}) => void} onPlace
+ * @property {(place: {tiltDeg: number, heightMm: number}) => void} onAim
  * @property {(chosen: number) => void} onShot
  */
 

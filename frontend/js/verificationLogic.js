@@ -24,6 +24,10 @@
  * @property {number[]} [histogram_under_rotation]
  * @property {number[]} [level_counts]
  * @property {NearPair[]} [weakest]
+ * @property {OtherLayer[]} [others]
+ *
+ * @typedef {Pick<Verification, "unique" | "unique_under_rotation" | "min_distance" |
+ *   "min_distance_under_rotation"> & {channel: string}} OtherLayer
  */
 
 import { compact, number } from "./formatLogic.js";
@@ -57,10 +61,18 @@ export function verificationFacts(check) {
   if (check.visible_lines !== undefined) {
     facts.push(["Inner lines", check.visible_lines ? "all visible" : "not all visible"]);
   }
-  return { facts, fault: check.unique ? "" : "The check found a window that occurs twice." };
+  const others = check.others ?? [];
+  for (const other of others) {
+    const words = other.unique_under_rotation ? "in all rotations" : "as printed";
+    const distance = `${words}, ≥ ${leastDistance(other)}`;
+    facts.push([`The ${other.channel} layer's`, other.unique ? distance : "no"]);
+  }
+  const twice = [check, ...others].filter((each) => !each.unique);
+  const places = twice.map((each) => `the ${each.channel ?? "red"} layer`).join(" and ");
+  return { facts, fault: twice.length ? `A window occurs twice in ${places}.` : "" };
 }
 
-/** @param {Verification} check */
+/** @param {Verification | OtherLayer} check */
 const leastDistance = (check) =>
   check.unique_under_rotation ? check.min_distance_under_rotation : check.min_distance;
 

@@ -113,6 +113,7 @@ def test_a_saved_pad_opens_again_and_can_be_deleted(open_page: Callable[..., Pag
 def test_import_and_every_download(open_page: Callable[..., Page], tmp_path: Path) -> None:
     page = open_page("/design")
     page.get_by_label("Import a pad file").set_input_files(PAD_FILE)
+    expect(page.locator("#status")).to_contain_text("Imported")
     expect(page.locator("#pad-facts")).to_contain_text("1250 × 1250 mm")
     heads = {"pdf": b"%PDF", "svg": b"<", "png": b"\x89PNG", "json": b"{"}
     for kind, head in heads.items():

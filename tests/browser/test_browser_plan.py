@@ -58,6 +58,17 @@ def test_the_chart_is_read_under_the_pointer(plan: Page) -> None:
     expect(readout).to_contain_text("nothing reads")
 
 
+def test_arrow_keys_move_the_place_and_enter_takes_the_picture(plan: Page) -> None:
+    plan.locator("#chart svg").focus()
+    plan.keyboard.press("ArrowRight")
+    plan.keyboard.press("ArrowDown")
+    expect(plan.get_by_label("Tilt", exact=True)).to_have_value("12.5")
+    expect(plan.get_by_label("Height", exact=True)).to_have_value("909")
+    expect(plan.locator("#film")).to_be_hidden()
+    plan.keyboard.press("Enter")
+    expect(plan.get_by_alt_text("Simulated picture from 909 mm, 13°")).to_be_visible()
+
+
 def test_advice_becomes_a_pad_on_the_design_page(plan: Page) -> None:
     facts = plan.locator("#advice-facts")
     expect(facts).to_contain_text("Reads")

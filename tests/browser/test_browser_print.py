@@ -107,6 +107,16 @@ def test_the_print_is_what_the_panel_says(open_page: Callable[..., Page], tmp_pa
     assert download.value.suggested_filename == "sheets-strip.pdf"
 
 
+def test_a_refused_download_says_why(
+    open_page: Callable[..., Page], complaints: Complaints
+) -> None:
+    complaints.expected = {422}
+    page = open_page(SMALL.replace("quiet_mm=12", "quiet_mm=0") + "&header=north")
+    _plan(page)
+    page.get_by_role("button", name="Download as PDF").click()
+    expect(page.locator("#status")).to_contain_text("quiet margin")
+
+
 def test_a_measured_size_is_stored_with_the_pad(
     open_page: Callable[..., Page], tmp_path: Path
 ) -> None:
@@ -120,6 +130,7 @@ def test_a_measured_size_is_stored_with_the_pad(
     page.get_by_role("button", name="Set the measured size").click()
     expect(page.locator("#status")).to_contain_text("Set the measured size")
     assert _plan(page)["One red cell"] == "14.94 × 15.03 mm"
+    expect(page).to_have_url(re.compile(r"\?pad="))
     page.reload()
     expect(page.get_by_label("Ruler along x")).to_have_value("199.2")
     with page.expect_download() as download:

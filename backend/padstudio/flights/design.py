@@ -22,7 +22,8 @@ class Design:
     summary : mapping
         What lists show of it.
     verification : mapping or None
-        What `padstudio.pad.verify` found of the finest layer; None where nobody asked.
+        What `padstudio.pad.verify` found of the finest layer, with its ``channel``; in ``others``
+        whether the other layers are unique. None where nobody asked.
     """
 
     content: str
@@ -50,7 +51,7 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
 
 
 def verify_content(content: str) -> dict[str, Any]:
-    """What holds for a pad file's finest layer, as `Verification.to_dict` and its ``channel``."""
+    """What holds for a pad file's layers, as `Design.verification`."""
     return _verify(pad_files.loads(content))
 
 
@@ -124,9 +125,15 @@ def _of_table(content: bytes, suffix: str, sizes: TableSizes) -> Pad:
 
 
 def _verify(pad: Pad) -> dict[str, Any]:
-    finest = max(pad.layers, key=lambda layer: layer.field.size)
-    found = verify.verify_field(finest.field, pad.window, pad.levels)
-    return {"channel": finest.channel, **found.to_dict()}
+    """All that was found of the finest layer, and of the others whether they are unique."""
+    finest, *others = sorted(pad.layers, key=lambda layer: layer.cell_mm)
+    found = verify.verify_field(finest.field, pad.window, pad.levels).to_dict()
+    keys = ("unique", "unique_under_rotation", "min_distance", "min_distance_under_rotation")
+    record = {"channel": finest.channel, **found, "others": []}
+    for layer in others:
+        other = verify.verify_field(layer.field, pad.window, pad.levels).to_dict()
+        record["others"].append({"channel": layer.channel} | {key: other[key] for key in keys})
+    return record
 
 
 def summarize(pad: Pad) -> dict[str, Any]:

@@ -60,6 +60,7 @@ CAMERA_EXAMPLE: dict[str, Any] = {
     "nominal": True,
     "note": "nominal, calibrate for accuracy",
 }
+_VERIFICATION = "What was proved of the finest layer, and in short of the `others`."
 _VERIFICATION_EXAMPLE: dict[str, Any] = {"windows": 4, "unique": True, "min_distance": 1}
 _TRACE = "/api/v1/detect/9b1d4c2a7e60f835"
 DETECTION_EXAMPLE: dict[str, Any] = {
@@ -210,7 +211,9 @@ class PadPreview(BaseModel):
     )
 
     pad: dict[str, Any] = Field(description="A pad file's object.")
-    verification: dict[str, Any] = Field(description="What was proved of the finest layer.")
+    verification: dict[str, Any] = Field(
+        description="What was proved of the finest layer, and in short of the `others`."
+    )
 
 
 class PadVerification(BaseModel):
@@ -218,7 +221,9 @@ class PadVerification(BaseModel):
 
     model_config = _example({"verification": _VERIFICATION_EXAMPLE})
 
-    verification: dict[str, Any] = Field(description="What was proved of the finest layer.")
+    verification: dict[str, Any] = Field(
+        description="What was proved of the finest layer, and in short of the `others`."
+    )
 
 
 class CameraSummary(BaseModel):

@@ -14,7 +14,7 @@
  */
 
 import {
-  areaPath, channelsOf, heightRange, logTicks, placeInWords, placeOf, TILTS_DEG, widestBands, xOf, yOf,
+  areaPath, channelsOf, heightRange, logTicks, moved, placeInWords, placeOf, TILTS_DEG, widestBands, xOf, yOf,
 } from "../coverageLogic.js";
 import { length } from "../formatLogic.js";
 import { draw, titled } from "./svg.js";
@@ -29,9 +29,10 @@ const TILT_STEP_DEG = 15;
 
 /**
  * @param {HTMLElement} root  holds an SVG and a line of words
- * @param {{onPlace: (place: Place) => void}} events  where the chart was clicked
+ * @param {{onPlace: (place: Place) => void, onAim: (place: Place) => void}} events  a place chosen,
+ *   and one that the arrow keys came to
  */
-export function mountCoverageChart(root, { onPlace }) {
+export function mountCoverageChart(root, { onPlace, onAim }) {
   const svg = /** @type {SVGSVGElement} */ (root.querySelector("svg"));
   const readout = /** @type {HTMLElement} */ (root.querySelector("[data-ref=readout]"));
   /** @type {CoverageChartState | null} */
@@ -54,6 +55,16 @@ export function mountCoverageChart(root, { onPlace }) {
   svg.addEventListener("click", (event) => {
     const place = placeUnder(event);
     if (place) onPlace(place);
+  });
+
+  svg.addEventListener("keydown", (event) => {
+    const from = state?.frames[0];
+    if (!from || !frame || event.ctrlKey || event.metaKey || event.altKey) return;
+    const to = event.key === "Enter" ? from : moved(from, event.key, frame);
+    if (!to) return;
+    event.preventDefault();
+    if (event.key === "Enter") onPlace(to);
+    else onAim(to);
   });
 
   function showHint() {

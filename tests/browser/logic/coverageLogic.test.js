@@ -1,5 +1,5 @@
 import {
-  areaPath, channelsOf, deadBandInWords, heightFacts, heightRange, heightSteps, logTicks, ofMethod, placeInWords,
+  areaPath, channelsOf, deadBandInWords, heightFacts, heightRange, heightSteps, logTicks, moved, ofMethod, placeInWords,
   placeOf, widestBands, xOf, yOf,
 } from "/static/js/coverageLogic.js";
 import { contains, equal, near } from "./check.js";
@@ -38,6 +38,14 @@ export const tests = {
     near(tiltDeg, 40);
     near(heightMm, 100, 1e-6);
     near(placeOf(FRAME, -50, 900).heightMm, 10);
+  },
+  "arrow keys move within the chart": () => {
+    const place = { tiltDeg: 10, heightMm: 500 };
+    near(moved(place, "ArrowUp", FRAME).heightMm, 550);
+    equal(moved(place, "ArrowLeft", FRAME), { tiltDeg: 7.5, heightMm: 500 });
+    near(moved({ tiltDeg: 79, heightMm: 990 }, "ArrowUp", FRAME).heightMm, 1000);
+    equal(moved({ tiltDeg: 79, heightMm: 990 }, "ArrowRight", FRAME).tiltDeg, 80);
+    equal(moved(place, "x", FRAME), null);
   },
   "an area goes up one side and down the other, and stops where nothing reads": () => {
     equal(areaPath(FRAME, [span("red", 0, 10, 1000), span("red", 80, 10, 100)]),

@@ -14,12 +14,19 @@ export const tests = {
     equal([facts["Each occurs once"], facts["Windows differ in"]], ["in all rotations", "≥ 3 cells"]);
     equal([facts["Misreads corrected"], facts["Of all windows"]], ["1", "below 0.001 %"]);
     equal([facts["Cells a level"], facts["Inner lines"]], ["48.4 : 51.6 %", "not all visible"]);
-    contains(verificationFacts({ ...CHECK, unique: false }).fault, "twice");
+    contains(verificationFacts({ ...CHECK, unique: false }).fault, "twice in the red layer");
     equal(verificationFacts(null), { facts: [], fault: "" });
   },
   "a check as printed counts windows as they stand": () => {
     const plain = verificationFacts({ ...CHECK, unique_under_rotation: false });
     equal(plain.facts.slice(1, 3), [["Each occurs once", "as printed"], ["Windows differ in", "≥ 4 cells"]]);
+  },
+  "the other layers are checked too": () => {
+    const blue = { channel: "blue", unique: true, unique_under_rotation: false, min_distance: 2 };
+    const { facts, fault } = verificationFacts({ ...CHECK, others: [blue] });
+    equal([facts.at(-1), fault], [["The blue layer's", "as printed, ≥ 2"], ""]);
+    const twice = verificationFacts({ ...CHECK, others: [{ ...blue, unique: false }] });
+    contains(twice.fault, "twice in the blue layer");
   },
   "bars of the distances that count": () => {
     equal(histogramBars(CHECK).map((bar) => bar.label), ["0", "1", "2", "≥ 3"]);

@@ -1,19 +1,21 @@
 /**
- * What comes back from a print: what its rulers read, and a photo of its test strip.
+ * Prints of the pad as files, and what comes back from paper: what the rulers read, and a photo of
+ * the test strip.
  *
- * @typedef {object} PrintReportOptions
+ * @typedef {object} PrintsOptions
  * @property {() => Promise<string | null>} padId  of the stored pad; stores it first where it is not
  * @property {(scale: [number, number]) => Promise<void>} onScale
  * @property {(strip: import("./planApi.js").Crosstalk | null) => void} onStrip
  * @property {(status: import("./components/status.js").Status) => void} onStatus
  */
 
-import { messageOf } from "./api.js";
+import { saveFile } from "./address.js";
+import { fetchFile, messageOf, padFileUrl } from "./api.js";
 import * as planApi from "./planApi.js";
 import { readings } from "./printLogic.js";
 
-/** @param {PrintReportOptions} options */
-export function makePrintReports({ padId, onScale, onStrip, onStatus }) {
+/** @param {PrintsOptions} options */
+export function makePrints({ padId, onScale, onStrip, onStatus }) {
   /** @param {(id: string) => Promise<string>} act  gives what to say of it */
   async function report(act) {
     const id = await padId();
@@ -26,6 +28,18 @@ export function makePrintReports({ padId, onScale, onStrip, onStatus }) {
   }
 
   return {
+    /**
+     * Fetched here rather than by the browser, so that a refusal stands in the page.
+     * @param {string} form
+     * @param {string} query
+     */
+    fetchFile: (form, query) =>
+      report(async (id) => {
+        onStatus({ kind: "quiet", text: "Painting …" });
+        const file = await fetchFile(padFileUrl(id, form, query));
+        saveFile(file);
+        return `Made “${file.name}”.`;
+      }),
     /** @param {string} x @param {string} y */
     async takeReadings(x, y) {
       const read = readings(x, y);
