@@ -185,7 +185,9 @@ async function load() {
   try {
     const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
     const isKnown = pads.items.some((each) => each.id === state.pad);
-    set({ pads: pads.items, ...cameras, pad: isKnown ? state.pad : (pads.items[0]?.id ?? "") });
+    const pad = isKnown ? state.pad : (pads.items[0]?.id ?? "");
+    const only = cameras.stored.length === 1 ? cameras.stored[0].id : "";
+    set({ pads: pads.items, ...cameras, pad, camera: state.camera || only });
   } catch (error) {
     set({ status: { kind: "bad", text: api.messageOf(error) } });
   }

@@ -19,6 +19,7 @@
  * @property {string} note
  * @property {number} share  0 … 1
  * @property {"waiting" | "sending" | "done" | "refused" | "absent"} status
+ * @property {boolean} troubled  it waits for the server or the connection
  * @property {string[]} keys  of its items
  */
 
@@ -105,7 +106,9 @@ function fileRow(item) {
     refused: message,
     absent: `${bytes(offset)} of ${bytes(size)} are sent. Choose the file again to go on.`,
   };
-  return { key, title: name, note: notes[status], share: size ? offset / size : 0, status, keys: [key] };
+  const troubled = status === "absent" || (status === "sending" && Boolean(message));
+  const share = size ? offset / size : 0;
+  return { key, title: name, note: notes[status], share, status, troubled, keys: [key] };
 }
 
 /** @param {string} folder @param {Item[]} items @returns {Row} */
@@ -123,7 +126,8 @@ function folderRow(folder, items) {
   /** @type {Row["status"]} */
   const status = refused ? "refused" : absent ? "absent" : share === 1 ? "done" : "sending";
   const keys = items.map((item) => item.key);
-  return { key: `folder ${folder}`, title: folder, note: parts.join(", "), share, status, keys };
+  const troubled = Boolean(absent || trouble);
+  return { key: `folder ${folder}`, title: folder, note: parts.join(", "), share, status, troubled, keys };
 }
 
 /**

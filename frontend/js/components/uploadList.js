@@ -24,6 +24,7 @@ export function mountUploadList(root, { onRemove }) {
     },
     fill: (part, element, /** @type {Row} */ row) => {
       element.dataset.status = row.status;
+      element.toggleAttribute("data-troubled", row.troubled);
       part("title").textContent = part("title").title = row.title;
       part("note").textContent = row.note;
       part("remove").setAttribute("aria-label", `Remove ${row.title}`);

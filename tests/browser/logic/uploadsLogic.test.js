@@ -56,7 +56,7 @@ export const tests = {
     items = withItem(items, items[0].key, { status: "sending", url: "/u/1", offset: 400 });
     const restored = fromStorage(toStorage(items));
     equal(restored.map(({ status, file: held, offset }) => [status, held, offset]), [["waiting", null, 400]]);
-    equal([rowsOf(restored)[0].status, nextToSend(restored, 2)], ["absent", []]);
+    equal([rowsOf(restored)[0].status, rowsOf(restored)[0].troubled, nextToSend(restored, 2)], ["absent", true, []]);
     contains(rowsOf(restored)[0].note, "Choose the file again");
     const again = withFiles(restored, chosen(["a.mp4"]));
     equal(again.map(({ url, status }) => [url, status]), [["/u/1", "waiting"]]);
