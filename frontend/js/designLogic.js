@@ -13,14 +13,15 @@ import { bigNumber, DEFAULT_SPEC, sheetSize, specToTexts } from "./specLogic.js"
  * What is known of a pad before it is grown.
  * @param {import("./planApi.js").PadBounds | null} bounds
  * @param {number} mostCells  that a pad may have along a side
- * @returns {{capacity: string, largest: string, outlook: string}}  capacity for example
- *   "14 641 of 322 638"
+ * @returns {{possible: string, capacity: string, largest: string, outlook: string}}  capacity for
+ *   example "14 641 of 322 638"
  */
 export function boundsInWords(bounds, mostCells) {
-  if (!bounds) return { capacity: "–", largest: "–", outlook: "" };
+  if (!bounds) return { possible: "–", capacity: "–", largest: "–", outlook: "" };
   const { windows_needed: needed, log10_at_most: most, largest_square: side, outlook } = bounds;
   const isLong = outlook === "long";
   return {
+    possible: bigNumber(bounds.log10_possible ?? 0),
     capacity: `${number(needed)} of ${most === null ? "none" : bigNumber(most)}`,
     largest: side >= mostCells ? "as large as may be" : `${number(side)} × ${number(side)}`,
     outlook: isLong ? "Near the bound: the search may take long, or not end in its time." : "",

@@ -124,7 +124,8 @@ def _way_out(spec: FieldSpec, found: Bounds) -> str:
     if found.largest_square < spec.window:
         return "take a lesser distance, a larger window or more levels"
     side = found.largest_square
-    return f"take at most {side} x {side} cells, a larger window or more levels"
+    lesser = ", a lesser distance" if spec.distance > 1 else ""
+    return f"take at most {side} x {side} cells{lesser}, a larger window or more levels"
 
 
 def ruled_out(spec: FieldSpec) -> int:

@@ -36,7 +36,7 @@ export function mountSpecForm(form, { onInput, onSave }) {
     bounds: boundsOf(fields),
     /**
      * @param {{texts: Record<string, string>, errors: SpecErrors, saving: boolean,
-     *   words: Record<"sheet" | "capacity" | "largest" | "outlook", string>}} state
+     *   words: Record<"sheet" | "possible" | "capacity" | "largest" | "outlook", string>}} state
      */
     update({ texts, errors, words, saving }) {
       for (const field of fields) {

@@ -18,11 +18,13 @@ const SUMMARY = { name: "tiny", window: 2, levels: 2, seed: 9, method: "growth",
 export const tests = {
   "bounds say what is needed, what there is and how large a pad can be": () => {
     const bounds = {
-      windows_needed: 14641, log10_possible: 7.5, log10_at_most: Math.log10(322638), share: 0.05,
+      windows_needed: 14641, log10_possible: 25 * Math.log10(2), log10_at_most: Math.log10(322638), share: 0.05,
       largest_square: 571, outlook: "easy",
     };
     const words = boundsInWords(bounds, 4000);
-    equal(words, { capacity: "14\u202f641 of 322\u202f638", largest: "571 × 571", outlook: "" });
+    equal(words, {
+      possible: "33\u202f554\u202f432", capacity: "14\u202f641 of 322\u202f638", largest: "571 × 571", outlook: "",
+    });
     contains(boundsInWords({ ...bounds, outlook: "long" }, 4000).outlook, "may take long");
     equal(boundsInWords({ ...bounds, log10_at_most: null }, 4000).capacity, "14\u202f641 of none");
     equal(boundsInWords({ ...bounds, log10_at_most: 60 }, 571).largest, "as large as may be");
