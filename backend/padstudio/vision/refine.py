@@ -38,6 +38,7 @@ _CLIMB_CONSIDERED = 0.008
 _CLIMB = 8
 # The moving model must lower the sum of squares by this many variances, six being free.
 _MOTION_GAIN = 40.0
+_CHANCE_GAIN = 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +152,8 @@ def better_of(still: Fit, moving: Fit | None) -> Fit:
     gain = count * (still.rms_px**2 / max(moving.rms_px, 1e-6) ** 2 - 1)
     if gain > _MOTION_GAIN:
         return moving
-    doubt = still.pose.step_to(moving.pose) * np.sqrt(max(gain, 0.0) / _MOTION_GAIN)
+    # Six free parameters gain six variances by chance; what gains more may well be right.
+    doubt = still.pose.step_to(moving.pose) * np.sqrt(np.clip(gain / _CHANCE_GAIN, 0.0, 1.0))
     return replace(still, doubt=doubt)
 
 
