@@ -41,7 +41,7 @@ def test_a_broken_connection_costs_nothing(
     page.route(UPLOAD, cut, times=2)
     page.get_by_label("Choose files").set_input_files(footage[0])
     row = page.locator("#uploads li")
-    expect(row).to_contain_text("Trying again")
+    expect(row).to_contain_text("Trying again", timeout=SLOW_MS)
     expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
     assert broken == ["PATCH", "HEAD"]
 
@@ -62,11 +62,11 @@ def test_an_upload_goes_on_after_a_reload(
 
     page.route(UPLOAD, hold)
     page.get_by_label("Choose files").set_input_files(large)
-    expect(page.locator("#uploads")).to_contain_text("1.0 MB of")
+    expect(page.locator("#uploads")).to_contain_text("1.0 MB of", timeout=SLOW_MS)
     page.unroute(UPLOAD)
     page.reload()
     row = page.locator("#uploads li")
-    expect(row).to_contain_text("Choose the file again")
+    expect(row).to_contain_text("Choose the file again", timeout=SLOW_MS)
     expect(page.get_by_role("button", name="Analyse when sent")).to_be_disabled()
     begun = [upload["id"] for upload in _uploads(studio_url) if upload["name"] == large.name]
     page.get_by_label("Choose files").set_input_files(large)
@@ -75,7 +75,7 @@ def test_an_upload_goes_on_after_a_reload(
     assert [upload["id"] for upload in done] == begun
     assert [upload["complete"] for upload in done] == [True]
     page.reload()
-    expect(page.locator("#uploads")).to_contain_text("1 file sent")
+    expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
 
 
 def test_an_upload_can_be_given_up(
