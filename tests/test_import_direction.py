@@ -36,6 +36,10 @@ CONFINED = {
     "av": ("flights/video", "simulate/video"),
     "mcap": ("flights/exports/",),
     "pymavlink": ("flights/exports/",),
+    "dask": ("flights/engine", "flights/cluster_worker"),
+    "distributed": ("flights/engine", "flights/cluster_worker"),
+    "fsspec": ("flights/",),
+    "sse_starlette": ("web/",),
     "typer": ("cli",),
     "rich": ("cli",),
 }
