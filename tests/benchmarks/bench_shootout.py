@@ -205,12 +205,19 @@ def main() -> int:
     for name, reader in READERS.items():
         if reader.board in taken:
             report["readers"][name] = compete(name, pad, camera, taken)
+            print(f"{name}: {report['readers'][name]['total']}", flush=True)
+            _save(given.json, report)
     report["footage"] = footage(pad)
     shootout_tables.show(report)
-    if given.json:
-        given.json.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    _save(given.json, report)
     ours = [report["readers"][name] for name in OURS]
     return int(any(g["false"] for figures in ours for g in figures["groups"].values()))
+
+
+def _save(path: Path | None, report: dict[str, Any]) -> None:
+    """Write what is known so far: a long run that is cut short is not lost."""
+    if path:
+        path.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
