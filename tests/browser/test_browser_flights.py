@@ -184,3 +184,17 @@ def test_a_flight_that_is_not_there(open_page: Callable[..., Page], complaints: 
     expect(page.locator("#status")).to_contain_text("no flight of that id")
     expect(page.locator("#charts")).to_be_hidden()
     expect(page.locator("#downloads")).to_be_hidden()
+
+
+def test_progress_is_asked_for_where_events_do_not_come(
+    open_page: Callable[..., Page], complaints: Complaints, flight_path: str
+) -> None:
+    complaints.expected = {503}
+    page = open_page(flight_path)
+    page.context.route("**/events", lambda route: route.fulfill(status=503))
+    page.get_by_role("button", name="Run again").click()
+    page.get_by_role("dialog").get_by_label("Last frame").fill("3")
+    page.get_by_role("dialog").get_by_role("button", name="Run", exact=True).click()
+    expect(page).to_have_url(re.compile(r"with="))
+    expect(page.locator("#head [data-ref=state]")).to_have_text("Done", timeout=SLOW_MS)
+    expect(page.locator("#summary")).to_contain_text("4 of 4")
