@@ -141,7 +141,7 @@ function distanceFor({ x_mm: x, y_mm: y, z_mm: z }, padSize) {
   };
   const wide = Math.max(extent(x, padSize?.[0]), extent(y, padSize?.[1]));
   // Plotly keeps the volume of the scene, so that its height grows so with its proportions.
-  return Math.max(1, (extent([...z, 0]) / wide) ** (2 / 3));
+  return Math.max(1, 0.65 * (extent([...z, 0]) / wide) ** (2 / 3));
 }
 
 /** @param {Palette} palette @param {number} distance */
