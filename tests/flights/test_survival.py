@@ -20,7 +20,7 @@ from desk_process import open_desk
 from padstudio.flights.store import Store
 
 FLIGHTS, FRAMES = 200, 6
-PATIENCE_S = 240
+PATIENCE_S = 900
 
 
 def order_flights(data: Path, video: Path) -> None:
