@@ -112,13 +112,3 @@ class Storage:
         except (OSError, ImportError, ValueError) as error:
             raise StorageError(f"cannot copy an upload to {self._base}: {error}") from error
         return url
-
-    def remove(self, name: str) -> None:
-        """Remove a copy; it may be gone already, or never have been made."""
-        if self._base is None:
-            return
-        import fsspec
-
-        system, target = fsspec.core.url_to_fs(f"{self._base}/{name}")
-        with contextlib.suppress(OSError):
-            system.rm_file(target)
