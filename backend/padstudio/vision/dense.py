@@ -44,6 +44,8 @@ _CLEAR = 0.15
 _BETTER = 0.85
 # Residuals beyond this share of the measured cells' width mean that the borders are not these.
 _MOST_RESIDUAL = 0.12
+# A sign larger than this in the frame shows cells that a lattice reads, if anything does.
+_FAR_SIDE_PX = 800
 # While following, layers with cells of this width and number must agree.
 _READABLE_PX, _ENOUGH = 5.0, 30
 
@@ -91,6 +93,8 @@ class Dense:
         recorder = frame.recorder
         refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, 1)
         for region in regions[:-1]:
+            if region.box.side > _FAR_SIDE_PX:
+                continue
             found = recorder.run("outline", None, find_whole_sign, refiner, region)
             if isinstance(found, WholeSign):
                 if recorder.keep:
