@@ -18,7 +18,7 @@ from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
 from padstudio.vision.far import WholeSign, find_whole_sign
-from padstudio.vision.measure import LayerRead, Measurement, Refiner
+from padstudio.vision.measure import LayerRead, Measurement, Refiner, most_residual_px
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planar import ambiguity, planar_pose
@@ -42,8 +42,6 @@ from padstudio.vision.view import to_pad
 _CLEAR = 0.15
 # A start whose few borders fit this much better than the other's needs no comparison to the end.
 _BETTER = 0.85
-# Residuals beyond this share of the measured cells' width mean that the borders are not these.
-_MOST_RESIDUAL = 0.12
 # A sign larger than this in the frame shows cells that a lattice reads, if anything does.
 _FAR_SIDE_PX = 800
 # While following, layers with cells of this width and number must agree.
@@ -214,7 +212,7 @@ def _unfit(measurement: Measurement | None) -> StageFailure | None:
         detail = "no layer's borders stand where the first pose puts them"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
     residual, cell = measurement.fit.rms_px, measurement.cell_px
-    if residual > _MOST_RESIDUAL * cell + 1.0:
+    if residual > most_residual_px(cell):
         detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
     return None

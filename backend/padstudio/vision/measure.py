@@ -30,6 +30,7 @@ from padstudio.vision.view import to_pad, visible_range
 _REACH_PX = 6.0
 _CELL_PX = 9.0
 _LEAST_BORDERS = 12
+_MOST_RESIDUAL = 0.12
 # So many places lie within reach of an expected pose.
 _NEAR_BY = 25
 # So many borders decide between a still and a moving camera; all of them then fit the pose.
@@ -170,7 +171,8 @@ class Refiner:
         finest = min(layer.cell_mm for layer in self.pad.layers)
         if rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px:
             fit = self._align(rung.pose)
-            if fit is not None:
+            # Glare bends the shading beyond what the match allows for; borders bear it.
+            if fit is not None and fit.rms_px <= most_residual_px(rung.cell_px):
                 return replace(fit, inliers=np.ones(len(measured.xy), bool))
         fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
         if fit is None:
@@ -265,6 +267,11 @@ class Refiner:
         step = pose.project(self.camera, moved) - pixels[few]
         cell_px = 20 * float(np.nanmedian(np.linalg.norm(step, axis=1)))
         return borders.take(which).thinned(self.params.refine.most_borders), cell_px
+
+
+def most_residual_px(cell_px: float) -> float:
+    """Residuals beyond this mean that the borders are not those of cells of this width."""
+    return _MOST_RESIDUAL * cell_px + 1.0
 
 
 def _box(pixels: Array, camera: Camera, border: int) -> Box:
