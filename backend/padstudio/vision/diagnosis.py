@@ -80,7 +80,8 @@ def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:
     StageFailure
         Of the same stage.
     """
-    checks = _CHECKS if failure.reason is not Reason.TOO_FEW_CELLS else ()
+    # Few cells that agree are in good light: they are too near, or too far away.
+    checks = (_size,) if failure.reason is Reason.TOO_FEW_CELLS else _CHECKS
     for check in checks:
         for reason, detail, advice in check(suspect):
             return replace(
