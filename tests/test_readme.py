@@ -68,7 +68,7 @@ def test_the_tour_in_python(folder):
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    height_mm = float(re.search(r"\[.*?(\S+)\]", done.stdout)[1])
+    height_mm = float(re.search(r"\[.*?(\S+)\s*\]", done.stdout)[1])
     assert height_mm == pytest.approx(1300, rel=0.01)
 
 
