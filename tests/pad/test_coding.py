@@ -168,7 +168,7 @@ def test_absurd_pads_are_refused_by_name(kind: dict[str, object], words: str) ->
 def test_a_spent_budget_ends_with_a_verified_part(method: str) -> None:
     spec = FieldSpec(rows=400, cols=60, distance=3, method=method)  # type: ignore[arg-type]
     with pytest.raises(FieldSearchError) as caught:
-        generate_field(spec, budget_s=0.2)
+        generate_field(spec, budget_s=1.5)
     part = caught.value.field
     assert part is not None
     assert part.shape[1] == 60

@@ -155,7 +155,7 @@ def test_what_is_named_must_be_there(
 def test_the_server_outlives_its_workers_and_keeps_nothing(
     tmp_path: Path, picture: bytes, refused: Refused, name: str, status: int, code: str
 ) -> None:
-    settings = settings_for(tmp_path, detect_seconds=1.5 if name == "slow.png" else 20)
+    settings = settings_for(tmp_path, detect_seconds=5 if name == "slow.png" else 20)
     with running(settings, analyze=fake_analysis.analyze) as client:
         pad = store_pad(client)["id"]
         answer = _send(client, pad, picture, name=name, trace="true")

@@ -85,7 +85,7 @@ class ReadLimits:
 
 #: What the detector's methods need, as found in simulated daylight (docs/simulation.md).
 METHOD_LIMITS: dict[Method, ReadLimits] = {
-    "dense": ReadLimits(cell_px=4.6),
+    "dense": ReadLimits(cells_across=4.4, cell_px=4.6),
     "paper": ReadLimits(cells_across=6.5, cell_px=36.0),
 }
 
