@@ -13,17 +13,40 @@ from padstudio.cli_support import load_camera, load_pad, note, progress_bar
 
 if TYPE_CHECKING:
     from padstudio.geometry.camera import Camera
+    from padstudio.pad.coverage import DeadBand, Span
     from padstudio.pad.spec import Pad
     from padstudio.simulate.coverage import SuccessMap
 
-_CAMERA_HELP = "Camera file, or a preset's id (see: padstudio cameras)."
-_METHOD_HELP = "dense: all that is in the picture; paper: the published method."
+    Spans = tuple[Span, ...]
+    Bands = list[tuple[float, DeadBand]]
+
 _EXAMPLES = (
     "Examples: [bold]padstudio coverage --pad pad.json --camera preset-dji-mini-27k[/] · "
     "[bold]padstudio coverage --pad pad.json --camera camera.yaml --tilts 0,30,60 --json[/] · "
     "[bold]padstudio coverage --pad pad.json --camera camera.yaml --simulate "
     "--heights 100,300,1000,3000 --blurs 0,4,8[/]"
 )
+
+PadFile = Annotated[Path, typer.Option(help="Pad file.")]
+CameraName = Annotated[
+    str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
+]
+MethodName = Annotated[
+    Literal["dense", "paper"],
+    typer.Option(help="dense: all that is in the picture; paper: the published method."),
+]
+Tilts = Annotated[str, typer.Option(help="Degrees off straight down, with commas.")]
+Switch = Annotated[
+    float | None, typer.Option(help="Height above which the fine layer is not looked at.")
+]
+Simulate = Annotated[
+    bool, typer.Option("--simulate", help="Also render frames and have them read.")
+]
+Heights = Annotated[str, typer.Option(help="Heights to simulate, mm, with commas.")]
+Blurs = Annotated[str, typer.Option(help="Simulate these blurs in pixels rather than the tilts.")]
+Trials = Annotated[int, typer.Option(help="Simulated frames at each place.")]
+Seed = Annotated[int, typer.Option(help="The same seed gives the same pictures.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Figures for programs.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -33,26 +56,17 @@ def register(app: typer.Typer) -> None:
 
 
 def coverage(
-    pad: Annotated[Path, typer.Option(help="Pad file.")],
-    camera: Annotated[str, typer.Option(help=_CAMERA_HELP)],
-    method: Annotated[Literal["dense", "paper"], typer.Option(help=_METHOD_HELP)] = "dense",
-    tilts: Annotated[str, typer.Option(help="Degrees off straight down, with commas.")] = "0,30,60",
-    switch_mm: Annotated[
-        float | None,
-        typer.Option(help="Height above which the fine layer is not looked at."),
-    ] = None,
-    simulate: Annotated[
-        bool, typer.Option("--simulate", help="Also render frames and have them read.")
-    ] = False,
-    heights: Annotated[
-        str, typer.Option(help="Heights to simulate, mm, with commas.")
-    ] = "100,200,400,800,1600,3200",
-    blurs: Annotated[
-        str, typer.Option(help="Simulate these blurs in pixels rather than the tilts.")
-    ] = "",
-    trials: Annotated[int, typer.Option(help="Simulated frames at each place.")] = 3,
-    seed: Annotated[int, typer.Option(help="The same seed gives the same pictures.")] = 1,
-    as_json: Annotated[bool, typer.Option("--json", help="Figures for programs.")] = False,
+    pad: PadFile,
+    camera: CameraName,
+    method: MethodName = "dense",
+    tilts: Tilts = "0,30,60",
+    switch_mm: Switch = None,
+    simulate: Simulate = False,
+    heights: Heights = "100,200,400,800,1600,3200",
+    blurs: Blurs = "",
+    trials: Trials = 3,
+    seed: Seed = 1,
+    as_json: AsJson = False,
 ) -> None:
     """Show the heights and tilts at which each layer of a pad reads.
 
@@ -77,31 +91,14 @@ def coverage(
         axis, values = ("blur_px", _numbers(blurs, "--blurs")) if blurs else ("tilt_deg", angles)
         places = _numbers(heights, "--heights")
         found = _simulated(the_pad, the_camera, method, axis, places, values, trials, seed)
-    if as_json:
-        data: dict[str, Any] = {
-            "spans": [vars(span) | {"reads": span.reads} for span in spans],
-            "dead_bands": [{"tilt_deg": tilt} | vars(band) for tilt, band in bands],
-        }
-        if found is not None:
-            data["simulated"] = _map_record(found)
-        json.dump(data, sys.stdout, indent=1)
-        print()
-        return
-    print("layer   tilt   from      to")
-    for span in spans:
-        reach = f"{span.low_mm:6.0f}  {span.high_mm:6.0f} mm" if span.reads else "reads nowhere"
-        print(f"{span.channel:6}  {span.tilt_deg:3.0f}°  {reach}")
-    for tilt, band in bands:
-        note(f"warning: at {tilt:g}° {band.message}")
-    if found is not None:
-        _print_map(found)
+    (_print_json if as_json else _print_text)(spans, bands, found)
 
 
 def advise(
-    camera: Annotated[str, typer.Option(help=_CAMERA_HELP)],
+    camera: CameraName,
     low_mm: Annotated[float, typer.Option(help="Lowest height that must read, mm.")],
     high_mm: Annotated[float, typer.Option(help="Highest height that must read, mm.")],
-    method: Annotated[Literal["dense", "paper"], typer.Option(help=_METHOD_HELP)] = "dense",
+    method: MethodName = "dense",
     window: Annotated[int, typer.Option(help="b: every b x b window occurs once.")] = 5,
     levels: Annotated[int, typer.Option(help="Y: levels a cell can take.")] = 2,
     tilt: Annotated[float, typer.Option(help="Largest lean of the camera, degrees.")] = 20.0,
@@ -163,6 +160,28 @@ def _simulated(
             seed=seed,
             progress=lambda done: progress.update(task, completed=done),
         )
+
+
+def _print_json(spans: Spans, bands: Bands, found: SuccessMap | None) -> None:
+    data: dict[str, Any] = {
+        "spans": [vars(span) | {"reads": span.reads} for span in spans],
+        "dead_bands": [{"tilt_deg": tilt} | vars(band) for tilt, band in bands],
+    }
+    if found is not None:
+        data["simulated"] = _map_record(found)
+    json.dump(data, sys.stdout, indent=1)
+    print()
+
+
+def _print_text(spans: Spans, bands: Bands, found: SuccessMap | None) -> None:
+    print("layer   tilt   from      to")
+    for span in spans:
+        reach = f"{span.low_mm:6.0f}  {span.high_mm:6.0f} mm" if span.reads else "reads nowhere"
+        print(f"{span.channel:6}  {span.tilt_deg:3.0f}°  {reach}")
+    for tilt, band in bands:
+        note(f"warning: at {tilt:g}° {band.message}")
+    if found is not None:
+        _print_map(found)
 
 
 def _map_record(found: SuccessMap) -> dict[str, Any]:

@@ -19,6 +19,34 @@ _EXAMPLES = (
     "-o flight.mcap[/]"
 )
 
+PosesFile = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
+FormName = Annotated[
+    Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"],
+    typer.Option(help="The form to write."),
+]
+Output = Annotated[str, typer.Option("-o", "--output", help="File to write; - is stdout.")]
+CameraName = Annotated[
+    str | None,
+    typer.Option(help="Camera file or a preset's id, of the frames; for colmap and mcap."),
+]
+PadFile = Annotated[
+    Path | None, typer.Option(help="Pad file; its size is drawn in mcap and said in MAVLink.")
+]
+Images = Annotated[
+    bool, typer.Option("--images", help="Put the frames into mcap; sources must be there.")
+]
+Start = Annotated[float, typer.Option(min=0, help="Unix time of the flight's time 0, s.")]
+Vehicle = Annotated[
+    Path | None, typer.Option(help="Poses of the vehicle for px4, CSV; see docs/exports.md.")
+]
+Turned = Annotated[
+    float, typer.Option(help="Of MAVLink: camera turned clockwise; at 0 its up is forward.")
+]
+Forward = Annotated[float, typer.Option(help="Camera ahead of the vehicle's centre.")]
+Right = Annotated[float, typer.Option(help="Camera to the right of it.")]
+Down = Annotated[float, typer.Option(help="Camera below it.")]
+Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
+
 
 def register(app: typer.Typer) -> None:
     """Add the command to the program."""
@@ -26,38 +54,19 @@ def register(app: typer.Typer) -> None:
 
 
 def export(
-    poses: Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")],
-    form: Annotated[
-        Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"],
-        typer.Option(help="The form to write."),
-    ],
-    output: Annotated[
-        str, typer.Option("-o", "--output", help="File to write; - is stdout.")
-    ] = "-",
-    camera: Annotated[
-        str | None,
-        typer.Option(help="Camera file or a preset's id, of the frames; for colmap and mcap."),
-    ] = None,
-    pad: Annotated[
-        Path | None, typer.Option(help="Pad file; its size is drawn in mcap and said in MAVLink.")
-    ] = None,
-    images: Annotated[
-        bool, typer.Option("--images", help="Put the frames into mcap; sources must be there.")
-    ] = False,
-    start_unix_s: Annotated[
-        float, typer.Option(min=0, help="Unix time of the flight's time 0, s.")
-    ] = 0.0,
-    vehicle: Annotated[
-        Path | None,
-        typer.Option(help="Poses of the vehicle for px4, CSV; see docs/exports.md."),
-    ] = None,
-    turned_deg: Annotated[
-        float, typer.Option(help="Of MAVLink: camera turned clockwise; at 0 its up is forward.")
-    ] = 0.0,
-    forward_m: Annotated[float, typer.Option(help="Camera ahead of the vehicle's centre.")] = 0.0,
-    right_m: Annotated[float, typer.Option(help="Camera to the right of it.")] = 0.0,
-    down_m: Annotated[float, typer.Option(help="Camera below it.")] = 0.0,
-    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
+    poses: PosesFile,
+    form: FormName,
+    output: Output = "-",
+    camera: CameraName = None,
+    pad: PadFile = None,
+    images: Images = False,
+    start_unix_s: Start = 0.0,
+    vehicle: Vehicle = None,
+    turned_deg: Turned = 0.0,
+    forward_m: Forward = 0.0,
+    right_m: Right = 0.0,
+    down_m: Down = 0.0,
+    force: Force = False,
 ) -> None:
     """Write a poses file in the form of another program."""
     import numpy as np

@@ -11,7 +11,7 @@ import typer
 from padstudio.cli_support import check_output, load_pad, note
 
 if TYPE_CHECKING:
-    from padstudio.pad.paper_sheets import SheetPlan
+    from padstudio.pad.paper_sheets import SheetOptions, SheetPlan
     from padstudio.render.documents import Form
 
 _PRINT_EXAMPLES = (
@@ -22,6 +22,49 @@ _PRINT_EXAMPLES = (
 )
 _MEASURE_EXAMPLE = "Example: [bold]padstudio measure pad.json 199.2 200.4[/]"
 
+PadFile = Annotated[Path, typer.Argument(help="Pad file.")]
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", help="File to write: .pdf .svg .png .dxf .csv .npy .zip."),
+]
+FormName = Annotated[
+    str, typer.Option(help="pdf, svg, png, dxf, csv, npy or strip (a colour test strip).")
+]
+PaperName = Annotated[
+    str, typer.Option(help="A4 … A0, Letter, Legal, Tabloid, WIDTHxHEIGHT in mm, or own.")
+]
+Turned = Annotated[
+    Literal["auto", "portrait", "landscape"], typer.Option(help="auto: fewer sheets.")
+]
+Margin = Annotated[float, typer.Option(help="What the printer leaves blank.")]
+JointKind = Annotated[
+    Literal["butt", "overlap"], typer.Option(help="Sheets edge to edge, or over each other.")
+]
+Overlap = Annotated[float, typer.Option(help="Strip under the next sheet.")]
+SeamsKind = Annotated[
+    Literal["cells", "anywhere"], typer.Option(help="cells: never cut a cell needlessly.")
+]
+Furniture = Annotated[
+    bool | None,
+    typer.Option(
+        "--furniture/--bare", help="Rulers, labels, cut marks; bare for --paper own if unsaid."
+    ),
+]
+InkKind = Annotated[Literal["rgb", "cmyk"], typer.Option(help="How colours are given.")]
+Outline = Annotated[float, typer.Option(help="Line round the quiet margin.")]
+Header = Annotated[str, typer.Option(help="Text in the quiet margin above the pad.")]
+Footer = Annotated[str, typer.Option(help="Text in the quiet margin below the pad.")]
+Code = Annotated[bool, typer.Option(help="Print the pad's id and QR code.")]
+AssemblyMap = Annotated[bool, typer.Option(help="Begin with a map of the sheets.")]
+Resolution = Annotated[float, typer.Option(help="Resolution of a PNG.")]
+Readings = Annotated[
+    str,
+    typer.Option(
+        metavar="X,Y", help="What an earlier print's 200 mm rulers read; corrects this print."
+    ),
+]
+Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
+
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
@@ -30,68 +73,34 @@ def register(app: typer.Typer) -> None:
 
 
 def print_pad(
-    pad: Annotated[Path, typer.Argument(help="Pad file.")],
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", help="File to write: .pdf .svg .png .dxf .csv .npy .zip."),
-    ],
-    form: Annotated[
-        str, typer.Option(help="pdf, svg, png, dxf, csv, npy or strip (a colour test strip).")
-    ] = "",
-    paper: Annotated[
-        str,
-        typer.Option(help="A4 … A0, Letter, Legal, Tabloid, WIDTHxHEIGHT in mm, or own."),
-    ] = "own",
-    orientation: Annotated[
-        Literal["auto", "portrait", "landscape"], typer.Option(help="auto: fewer sheets.")
-    ] = "auto",
-    margin_mm: Annotated[float, typer.Option(help="What the printer leaves blank.")] = 5.0,
-    joint: Annotated[
-        Literal["butt", "overlap"], typer.Option(help="Sheets edge to edge, or over each other.")
-    ] = "butt",
-    overlap_mm: Annotated[float, typer.Option(help="Strip under the next sheet.")] = 10.0,
-    seams: Annotated[
-        Literal["cells", "anywhere"], typer.Option(help="cells: never cut a cell needlessly.")
-    ] = "cells",
-    furniture: Annotated[
-        bool | None,
-        typer.Option(
-            "--furniture/--bare", help="Rulers, labels, cut marks; bare for --paper own if unsaid."
-        ),
-    ] = None,
-    ink: Annotated[Literal["rgb", "cmyk"], typer.Option(help="How colours are given.")] = "rgb",
-    outline_mm: Annotated[float, typer.Option(help="Line round the quiet margin.")] = 0.0,
-    header: Annotated[str, typer.Option(help="Text in the quiet margin above the pad.")] = "",
-    footer: Annotated[str, typer.Option(help="Text in the quiet margin below the pad.")] = "",
-    qr: Annotated[bool, typer.Option(help="Print the pad's id and QR code.")] = True,
-    assembly_map: Annotated[bool, typer.Option(help="Begin with a map of the sheets.")] = True,
-    dpi: Annotated[float, typer.Option(help="Resolution of a PNG.")] = 150.0,
-    read: Annotated[
-        str,
-        typer.Option(
-            metavar="X,Y", help="What an earlier print's 200 mm rulers read; corrects this print."
-        ),
-    ] = "",
-    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
+    pad: PadFile,
+    output: Output,
+    form: FormName = "",
+    paper: PaperName = "own",
+    orientation: Turned = "auto",
+    margin_mm: Margin = 5.0,
+    joint: JointKind = "butt",
+    overlap_mm: Overlap = 10.0,
+    seams: SeamsKind = "cells",
+    furniture: Furniture = None,
+    ink: InkKind = "rgb",
+    outline_mm: Outline = 0.0,
+    header: Header = "",
+    footer: Footer = "",
+    qr: Code = True,
+    assembly_map: AssemblyMap = True,
+    dpi: Resolution = 150.0,
+    read: Readings = "",
+    force: Force = False,
 ) -> None:
     """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
-    from padstudio.pad.paper_sheets import SheetOptions, plan_sheets
+    from padstudio.pad.paper_sheets import plan_sheets
     from padstudio.render import documents
     from padstudio.render.options import PrintOptions
 
     check_output(output, force=force)
-    beside = paper.strip().lower() != "own" if furniture is None else furniture
-    own_bare = paper.strip().lower() == "own" and not beside
     options = PrintOptions(
-        sheets=SheetOptions(
-            paper=paper,
-            orientation=orientation,
-            margin_mm=0.0 if own_bare else margin_mm,
-            joint=joint,
-            overlap_mm=overlap_mm,
-            seams=seams,
-            furniture=beside,
-        ),
+        sheets=_sheets(paper, orientation, margin_mm, joint, overlap_mm, seams, furniture),
         ink=ink,
         outline_mm=outline_mm,
         header=header,
@@ -106,11 +115,8 @@ def print_pad(
     pieces, _media_type, _name = documents.make(design, chosen, options)
     with output.open("wb") as file:
         file.writelines(pieces)
-    note(
-        f"{output}: {_describe(plan_sheets(design, options.sheets))}"
-        if chosen == "pdf"
-        else f"{output}: {chosen}"
-    )
+    told = _describe(plan_sheets(design, options.sheets)) if chosen == "pdf" else chosen
+    note(f"{output}: {told}")
 
 
 def measure(
@@ -125,6 +131,31 @@ def measure(
     design = with_measured_size(load_pad(pad), ruler_mm=ruler_mm, x_mm=x_mm, y_mm=y_mm)
     design.save(pad)
     note(f"{pad}: scale {design.scale[0]:.5f} in x, {design.scale[1]:.5f} in y")
+
+
+def _sheets(
+    paper: str,
+    orientation: Turned,
+    margin_mm: float,
+    joint: JointKind,
+    overlap_mm: float,
+    seams: SeamsKind,
+    furniture: bool | None,
+) -> SheetOptions:
+    """How the pad is spread; a page of the pad's own size has nothing beside the pad if unsaid."""
+    from padstudio.pad.paper_sheets import SheetOptions
+
+    own = paper.strip().lower() == "own"
+    beside = not own if furniture is None else furniture
+    return SheetOptions(
+        paper=paper,
+        orientation=orientation,
+        margin_mm=0.0 if own and not beside else margin_mm,
+        joint=joint,
+        overlap_mm=overlap_mm,
+        seams=seams,
+        furniture=beside,
+    )
 
 
 def _measured(read: str) -> tuple[float, float]:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from padstudio.cli_support import check_output, load_camera, load_pad, note, progress_bar
 from padstudio.errors import ConflictError
+
+if TYPE_CHECKING:
+    from padstudio.geometry.camera import Camera
+    from padstudio.simulate.flights import Flight
+    from padstudio.simulate.scene import Scene
 
 _EXAMPLES = (
     "Examples: [bold]padstudio simulate --pad pad.json --camera preset-dji-mini-27k -o sim[/] · "
@@ -17,7 +22,34 @@ _EXAMPLES = (
     "[bold]padstudio simulate --pad pad.json --camera camera.yaml --flight tilts --from-mm 500 "
     "--frames 8 --ground gravel -o tilts[/]"
 )
-_VIDEOS = ("hover", "landing", "gusty")
+
+CameraName = Annotated[
+    str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
+]
+Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder to write into.")]
+PadFile = Annotated[Path | None, typer.Option(help="Pad file; without one the ground is bare.")]
+Kind = Annotated[str, typer.Option(help="descent, hover, landing, gusty or tilts.")]
+Count = Annotated[int, typer.Option(help="How many frames.")]
+FromHeight = Annotated[float, typer.Option(help="Height at the start (tilts: distance), mm.")]
+ToHeight = Annotated[float, typer.Option(help="Height at the end, mm.")]
+Rate = Annotated[float, typer.Option(help="Frames a second of a video.")]
+Sway = Annotated[float, typer.Option(help="Scales how the camera wanders and leans.")]
+LookName = Annotated[
+    str, typer.Option(help="Conditions: clear, shadow, dusk, glare, … (--list-looks).")
+]
+Ground = Annotated[
+    str, typer.Option(help="grass, gravel, asphalt, bricks, concrete, sand, snow or plain.")
+]
+Quiet = Annotated[
+    float | None, typer.Option(help="White margin round the pad; the pad's own if not given.")
+]
+Stills = Annotated[bool, typer.Option("--stills", help="Stills where a video is usual.")]
+CodecName = Annotated[str, typer.Option(help="h264 or h265.")]
+Seed = Annotated[int, typer.Option(help="The same seed gives the same pictures.")]
+ListLooks = Annotated[
+    bool, typer.Option("--list-looks", is_eager=True, callback=lambda on: _list_looks(on))
+]
+Force = Annotated[bool, typer.Option("--force", help="Write into a folder that is there.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -26,49 +58,29 @@ def register(app: typer.Typer) -> None:
 
 
 def simulate(
-    camera: Annotated[
-        str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
-    ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder to write into.")],
-    pad: Annotated[
-        Path | None, typer.Option(help="Pad file; without one the ground is bare.")
-    ] = None,
-    flight: Annotated[
-        str, typer.Option(help="descent, hover, landing, gusty or tilts.")
-    ] = "descent",
-    frames: Annotated[int, typer.Option(help="How many frames.")] = 24,
-    from_mm: Annotated[
-        float, typer.Option(help="Height at the start (tilts: distance), mm.")
-    ] = 3000,
-    to_mm: Annotated[float, typer.Option(help="Height at the end, mm.")] = 100,
-    fps: Annotated[float, typer.Option(help="Frames a second of a video.")] = 30,
-    sway: Annotated[float, typer.Option(help="Scales how the camera wanders and leans.")] = 1,
-    look: Annotated[
-        str, typer.Option(help="Conditions: clear, shadow, dusk, glare, … (--list-looks).")
-    ] = "clear",
-    ground: Annotated[
-        str, typer.Option(help="grass, gravel, asphalt, bricks, concrete, sand, snow or plain.")
-    ] = "grass",
-    quiet_mm: Annotated[
-        float | None, typer.Option(help="White margin round the pad; the pad's own if not given.")
-    ] = None,
-    stills: Annotated[
-        bool, typer.Option("--stills", help="Stills where a video is usual.")
-    ] = False,
-    codec: Annotated[str, typer.Option(help="h264 or h265.")] = "h264",
-    seed: Annotated[int, typer.Option(help="The same seed gives the same pictures.")] = 1,
-    list_looks: Annotated[
-        bool, typer.Option("--list-looks", is_eager=True, callback=lambda on: _list_looks(on))
-    ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Write into a folder that is there.")
-    ] = False,
+    camera: CameraName,
+    output: Folder,
+    pad: PadFile = None,
+    flight: Kind = "descent",
+    frames: Count = 24,
+    from_mm: FromHeight = 3000,
+    to_mm: ToHeight = 100,
+    fps: Rate = 30,
+    sway: Sway = 1,
+    look: LookName = "clear",
+    ground: Ground = "grass",
+    quiet_mm: Quiet = None,
+    stills: Stills = False,
+    codec: CodecName = "h264",
+    seed: Seed = 1,
+    list_looks: ListLooks = False,
+    force: Force = False,
 ) -> None:
     """Simulate flights over a pad: pictures as a real camera takes them, and the true poses.
 
     Writes stills/ or flights/ with a truth file, and the pad and the camera beside them.
     """
-    from padstudio.simulate import flights, looks, writer
+    from padstudio.simulate import flights
     from padstudio.simulate.scene import Scene
 
     if output.exists() and not force:
@@ -91,22 +103,37 @@ def simulate(
         ground=ground,  # type: ignore[arg-type]  # Scene names the choices itself
         ground_seed=seed,
     )
+    film = codec if flight in flights.VIDEO_KINDS and not stills else None
+    truth = _write(output, course, scene, load_camera(camera), look, film, seed)
+    note(f"{output}: {len(course)} frames, the true poses in {truth.relative_to(output)}")
+
+
+def _write(
+    output: Path,
+    course: Flight,
+    scene: Scene,
+    camera: Camera,
+    look: str,
+    codec: str | None,
+    seed: int,
+) -> Path:
+    """Render into a folder under a progress bar; stills where there is no codec."""
+    from padstudio.simulate import looks, writer
+
     dressed, imaging = looks.dress(scene, look, seed=seed)
-    the_camera = load_camera(camera)
     with progress_bar() as progress:
         task = progress.add_task("Rendering", total=len(course))
-        truth = writer.write_flight(
+        return writer.write_flight(
             output,
             course,
             dressed,
-            the_camera,
+            camera,
             imaging,
-            video=flight in _VIDEOS and not stills,
-            codec=codec,  # type: ignore[arg-type]  # VideoWriter names the choices itself
+            video=codec is not None,
+            codec=codec or "h264",  # type: ignore[arg-type]  # VideoWriter names the choices itself
             seed=seed,
             progress=lambda done: progress.update(task, completed=done),
         )
-    note(f"{output}: {len(course)} frames, the true poses in {truth.relative_to(output)}")
 
 
 def _list_looks(wanted: bool) -> None:

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 Path = Callable[[float], Pose]
 FlightKind = Literal["descent", "hover", "landing", "gusty", "tilts"]
 FLIGHT_KINDS: tuple[FlightKind, ...] = get_args(FlightKind)
+#: Those that are one movement, usually written as a video.
+VIDEO_KINDS: tuple[FlightKind, ...] = ("hover", "landing", "gusty")
 
 MAX_FRAMES = 20_000
 MAX_HEIGHT_MM = 1_000_000.0
