@@ -1,6 +1,7 @@
 #!/bin/sh
 # Finds, or installs from the distribution, what the tests need beside Python: a Chromium for the
-# pages, poppler's pdftoppm for measuring printed sheets, curl for the README's commands.
+# pages, poppler's pdftoppm for measuring printed sheets, curl for the README's commands, PostgreSQL's
+# programs, with which the tests start a server of their own.
 set -eu
 
 have() { command -v "$1" >/dev/null 2>&1; }
@@ -14,6 +15,14 @@ have_chromium() {
         [ -x "/Applications/Chromium.app/Contents/MacOS/Chromium" ]
 }
 
+have_postgresql() {
+    [ -n "${PADSTUDIO_TEST_POSTGRESQL:-}" ] || have initdb && return 0
+    for program in /usr/lib/postgresql/*/bin/initdb /opt/homebrew/opt/*/bin/initdb /usr/local/opt/*/bin/initdb; do
+        [ -x "$program" ] && return 0
+    done
+    return 1
+}
+
 as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
 
 debian_packages=""
@@ -21,12 +30,18 @@ brew_packages=""
 have_chromium || { debian_packages="$debian_packages chromium"; brew_packages="$brew_packages google-chrome"; }
 have pdftoppm || { debian_packages="$debian_packages poppler-utils"; brew_packages="$brew_packages poppler"; }
 have curl || { debian_packages="$debian_packages curl"; brew_packages="$brew_packages curl"; }
+have_postgresql || { debian_packages="$debian_packages postgresql"; brew_packages="$brew_packages postgresql"; }
 [ -n "$debian_packages" ] || exit 0
 
 # Names are words of their own on purpose in what follows.
 # shellcheck disable=SC2086
 if have apt-get; then
     as_root apt-get update -qq
+    # Debian would otherwise start a server for the whole machine.
+    if ! have_postgresql && [ ! -e /etc/postgresql-common/createcluster.conf ]; then
+        as_root mkdir -p /etc/postgresql-common
+        echo 'create_main_cluster = false' | as_root tee /etc/postgresql-common/createcluster.conf >/dev/null
+    fi
     # Ubuntu's package of that name is a snap launcher, found as chromium-browser as well.
     as_root env DEBIAN_FRONTEND=noninteractive \
         apt-get install -y -qq --no-install-recommends $debian_packages

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.figure_rows import OUTCOMES, FigureRows
 from padstudio.flights.flight_tables import FlightRow, FrameDetailRow, FrameRow
-from padstudio.flights.store_database import open_database
+from padstudio.flights.store_database import Sessions, open_database
 
 FRAMES = 5003
 FPS = 25
@@ -22,9 +22,12 @@ DOWN_XYZW = [1.0, 0.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")
-def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[sessionmaker[Session]]:
-    engine = open_database(f"sqlite:///{tmp_path_factory.mktemp('figures')}/studio.db")
-    yield sessionmaker(engine, expire_on_commit=False)
+def session(
+    tmp_path_factory: pytest.TempPathFactory, new_database: Callable[[], str | None]
+) -> Iterator[sessionmaker[Session]]:
+    folder = tmp_path_factory.mktemp("figures")
+    engine = open_database(new_database() or f"sqlite:///{folder}/studio.db")
+    yield Sessions(engine)
     engine.dispose()
 
 

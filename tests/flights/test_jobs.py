@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,8 @@ SOURCE = {"upload": "u", "kind": "video", "name": "a.mp4", "url": "a", "first_fr
 class Office:
     """A store with one upload and what works on it."""
 
-    def __init__(self, folder: Path) -> None:
-        self.store = Store(folder / "data")
+    def __init__(self, folder: Path, database_url: str | None) -> None:
+        self.store = Store(folder / "data", database_url)
         self.upload = flight_orders.upload(self.store, videos.write(folder / "a.mp4", 2))
         self.flights = Flights(self.store.session, max_open=3)
         self.chunks = Chunks(self.store.session, attempts=2)
@@ -70,8 +70,8 @@ def records(first: int, count: int = 3) -> list[dict[str, Any]]:
 
 
 @pytest.fixture
-def office(tmp_path: Path) -> Iterator[Office]:
-    made = Office(tmp_path)
+def office(tmp_path: Path, new_database: Callable[[], str | None]) -> Iterator[Office]:
+    made = Office(tmp_path, new_database())
     yield made
     made.store.close()
 

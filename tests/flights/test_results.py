@@ -45,9 +45,11 @@ Made = tuple[Results, Summaries, FlightRow]
 
 
 @pytest.fixture(scope="module")
-def make(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Made]]:
+def make(
+    tmp_path_factory: pytest.TempPathFactory, new_database: Callable[[], str | None]
+) -> Iterator[Callable[..., Made]]:
     folder = tmp_path_factory.mktemp("store")
-    store = Store(folder / "data")
+    store = Store(folder / "data", new_database())
     upload = flight_orders.upload(store, videos.write(folder / "a.mp4", 2))
     flights = Flights(store.session)
 

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -14,12 +14,13 @@ from padstudio.flights.store import Store, new_id
 from padstudio.flights.store_database import NEWEST_REVISION, open_database
 from padstudio.flights.store_tables import Base
 
+NewDatabase = Callable[[], str | None]
 SUMMARY = {"name": "a", "seed": 10**30}
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    store = Store(tmp_path / "data", keep_traces=3, keep_trace_bytes=1000)
+def store(tmp_path: Path, new_database: NewDatabase) -> Iterator[Store]:
+    store = Store(tmp_path / "data", new_database(), keep_traces=3, keep_trace_bytes=1000)
     yield store
     store.close()
 
@@ -45,12 +46,13 @@ def test_add_get_list_delete(store: Store) -> None:
             act(first.id)
 
 
-def test_everything_survives_a_restart(tmp_path: Path) -> None:
-    store = Store(tmp_path)
+def test_everything_survives_a_restart(tmp_path: Path, new_database: NewDatabase) -> None:
+    url = new_database()
+    store = Store(tmp_path, url)
     pad, camera = store.pads.add("pad", SUMMARY), store.cameras.add("camera", SUMMARY)
     trace = _trace(store)
     store.close()
-    store = Store(tmp_path)
+    store = Store(tmp_path, url)
     assert store.pads.get(pad.id) == pad
     assert store.pads.get(pad.id).created_at.utcoffset() is not None
     assert store.cameras.get(camera.id) == camera
@@ -104,7 +106,8 @@ def test_the_oldest_traces_go_by_size_but_never_the_newest(store: Store) -> None
 def test_a_trace_that_cannot_be_kept_leaves_nothing(store: Store) -> None:
     kept = _trace(store)
     folder = store.folder.work_folder()
-    with pytest.raises(SQLAlchemyError):
+    # Either driver's own error for what is no JSON.
+    with pytest.raises((SQLAlchemyError, TypeError)):
         store.traces.add(new_id(), folder, {"not": object()})
     assert [path.name for path in store.folder.traces.iterdir()] == [kept]
     assert not list(store.folder.work.iterdir())
@@ -117,13 +120,14 @@ def test_pictures_are_found_by_name_only(store: Store) -> None:
             store.traces.picture(trace_id, name)
 
 
-def test_migrations_build_what_the_program_expects(tmp_path: Path) -> None:
-    engine = open_database(f"sqlite:///{tmp_path / 'a.db'}")
+def test_migrations_build_what_the_program_expects(
+    tmp_path: Path, new_database: NewDatabase
+) -> None:
+    engine = open_database(new_database() or f"sqlite:///{tmp_path / 'a.db'}")
     with engine.connect() as connection:
         context = MigrationContext.configure(connection)
         assert compare_metadata(context, Base.metadata) == []
         assert context.get_current_revision() == NEWEST_REVISION
-        assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
     engine.dispose()
 
 

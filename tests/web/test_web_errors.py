@@ -8,6 +8,8 @@ from typing import Any
 
 import httpx
 import pytest
+from sqlalchemy.exc import IntegrityError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from web_server import settings_for
 
 from padstudio.errors import BusyError, StudioError
@@ -66,10 +68,20 @@ def test_people_get_a_page(studio: httpx.Client) -> None:
     assert studio.get("/api/v1/x", headers={"Accept": "text/html"}).json()["error"]
 
 
+def database_fault(says: str) -> OperationalError:
+    fault = OperationalError("UPDATE", {}, Exception(says))
+    fault.__cause__ = fault.orig
+    return fault
+
+
 @pytest.mark.parametrize(
     ("error", "status", "code"),
     [
         (OSError(errno.ENOSPC, "full"), 507, "disk_full"),
+        (database_fault("database or disk is full"), 507, "disk_full"),
+        (database_fault("database is locked"), 503, "database_busy"),
+        (PoolTimeoutError("every connection is in use"), 503, "database_busy"),
+        (IntegrityError("INSERT secret", {}, Exception("secret")), 500, "internal_error"),
         (OSError(errno.EIO, "broken"), 500, "internal_error"),
         (ValueError("a secret"), 500, "internal_error"),
         (BusyError("come back later, please"), 503, "busy"),

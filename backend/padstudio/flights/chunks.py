@@ -69,7 +69,7 @@ class Chunks:
         """Take up to `limit` queued chunks, those of older flights first."""
         now = datetime.now(UTC)
         queued = (
-            select(ChunkRow)
+            select(ChunkRow.id, ChunkRow.flight, ChunkRow.number, ChunkRow.frames)
             .join(FlightRow, FlightRow.key == ChunkRow.flight)
             .where(ChunkRow.state == "queued", FlightRow.state.in_(OPEN))
             .order_by(ChunkRow.flight, ChunkRow.number)
@@ -77,12 +77,23 @@ class Chunks:
         )
         claims = []
         with self._session.begin() as session:
-            for chunk in session.scalars(queued):
-                chunk.state, chunk.attempt = "running", chunk.attempt + 1
+            chosen = session.execute(queued).all()
+            _hold(session, {chunk.flight for chunk in chosen})
+            for chunk in chosen:
                 seconds = self._lease_s + chunk.frames * self._frame_lease_s
-                chunk.lease_until = now + timedelta(seconds=seconds)
-                claims.append(Claim(chunk.id, chunk.flight, chunk.attempt, chunk.number == 0))
-            session.flush()
+                attempt = session.scalar(
+                    update(ChunkRow)
+                    # It may have been cancelled just before its flight was held.
+                    .where(ChunkRow.id == chunk.id, ChunkRow.state == "queued")
+                    .values(
+                        state="running",
+                        attempt=ChunkRow.attempt + 1,
+                        lease_until=now + timedelta(seconds=seconds),
+                    )
+                    .returning(ChunkRow.attempt)
+                )
+                if attempt is not None:
+                    claims.append(Claim(chunk.id, chunk.flight, attempt, chunk.number == 0))
             session.execute(
                 update(FlightRow)
                 .where(
@@ -205,6 +216,7 @@ class Chunks:
 
     @staticmethod
     def _end(session: Session, claim: Claim, **values: Any) -> bool:
+        _hold(session, {claim.flight})
         ended = session.execute(
             update(ChunkRow)
             .where(
@@ -237,6 +249,15 @@ class Chunks:
                 finished_at=datetime.now(UTC),
             )
         )
+
+
+def _hold(session: Session, flights: set[int]) -> None:
+    """Lock flights before their chunks, as whoever cancels one does, lest both wait for ever.
+
+    SQLite has one writer at a time and needs no such locks.
+    """
+    locked = select(FlightRow.key).where(FlightRow.key.in_(flights)).order_by(FlightRow.key)
+    session.execute(locked.with_for_update())
 
 
 def _summary(failed: Sequence[ChunkRow]) -> dict[str, Any]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import logging
 import queue
 import threading
-import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -18,11 +16,14 @@ from padstudio.flights.engine import Engine
 from padstudio.flights.engine_tasks import Outcome, Task, error_dict
 from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.jobs import Flights
+from padstudio.flights.store_database import storage_error
 
 logger = logging.getLogger(__name__)
 
 _IDLE_S = 1.0
 _RETRY_S = 5.0
+# Waits between tries to store a result.
+_STORE_AGAIN_S = (1.0, 5.0, 20.0)
 
 
 class Runner:
@@ -134,11 +135,19 @@ class Runner:
                 self._take(*ended)
 
     def _take(self, claim: Claim, outcome: Outcome) -> None:
-        try:
-            self._store(claim, outcome)
-        except SQLAlchemyError as error:
-            logger.exception("a result cannot be stored")
-            self._store_failed(claim, error)
+        """Store what came of a claim; a database that is away for a moment costs no work."""
+        for wait_s in (*_STORE_AGAIN_S, None):
+            try:
+                self._store(claim, outcome)
+                break
+            except SQLAlchemyError as error:
+                logger.exception("a result cannot be stored")
+                fault = storage_error(error)
+                if wait_s is None or fault.error_code != "database_busy":
+                    self._store_failed(claim, fault)
+                    break
+                if self._closing.wait(wait_s):
+                    break
         self._at_work.pop(f"chunk-{claim.chunk}-{claim.attempt}", None)
 
     def _store(self, claim: Claim, outcome: Outcome) -> None:
@@ -154,23 +163,16 @@ class Runner:
         else:
             self._chunks.finish(claim, outcome.value)
 
-    def _store_failed(self, claim: Claim, error: SQLAlchemyError) -> None:
-        """A full disk ends the flight by name; the chunk's frames were not taken at all."""
-        full = "full" in str(error.__cause__ or error).lower()
-        what: dict[str, Any] = {
-            "code": "disk_full" if full else "storage",
-            "message": "the results could not be stored: the disk that holds the database is full; "
-            "make room and try the flight again"
-            if full
-            else f"the results could not be stored: {error.__cause__ or error}",
-            "detail": {},
-        }
+    def _store_failed(self, claim: Claim, fault: StudioError) -> None:
+        """End the flight by name; of the chunk's frames none was taken."""
+        what = error_dict(fault)
+        what["message"] = f"the results could not be stored: {fault.message}"
         while not self._closing.is_set():
             try:
                 self._chunks.fail(claim, what)
                 return
             except SQLAlchemyError:
-                time.sleep(_RETRY_S)
+                self._closing.wait(_RETRY_S)
 
     def _stop_unwanted(self) -> None:
         """Stop tasks that were cancelled, and give up those that hang."""

@@ -16,7 +16,7 @@ from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
 from padstudio.errors import NotFoundError
-from padstudio.flights.store_database import open_database
+from padstudio.flights.store_database import Sessions, open_database
 from padstudio.flights.store_files import DataFolder
 from padstudio.flights.store_files import new_id as new_id
 from padstudio.flights.store_tables import CameraRow, PadRow
@@ -160,7 +160,7 @@ class Store:
         except BaseException:
             self.folder.close()
             raise
-        session = self.session = sessionmaker(self._engine, expire_on_commit=False)
+        session = self.session = Sessions(self._engine)
         self.pads = Shelf(session, PadRow, "pad")
         self.cameras = Shelf(session, CameraRow, "camera")
         self.traces = Traces(

@@ -93,7 +93,10 @@ def _longest_gap(session: Session, flight: FlightRow) -> dict[str, Any] | None:
     steps = select(FrameRow.number.label("after"), before).where(*posed).subquery()
     size = steps.c.after - steps.c.before
     inner = session.execute(
-        select(steps.c.before, steps.c.after).order_by(size.desc(), steps.c.after).limit(1)
+        select(steps.c.before, steps.c.after)
+        .where(steps.c.before.is_not(None))
+        .order_by(size.desc(), steps.c.after)
+        .limit(1)
     ).first()
     outer = session.execute(
         select(func.min(FrameRow.number), func.max(FrameRow.number)).where(*posed)
@@ -101,7 +104,7 @@ def _longest_gap(session: Session, flight: FlightRow) -> dict[str, Any] | None:
     # Poses thought of just before the first frame and just after the last one.
     edges = (ends[0] - stride, ends[1] + stride)
     gaps = [edges] if outer[0] is None else [(edges[0], outer[0]), (outer[1], edges[1])]
-    if inner is not None and inner.before is not None:
+    if inner is not None:
         gaps.append((inner.before, inner.after))
     start, end = max(gaps, key=lambda gap: gap[1] - gap[0])
     frames = (end - start) // stride - 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -10,14 +11,18 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from padstudio.errors import StorageError, StudioError
+from padstudio.flights.store_database import storage_error
 from padstudio.web import pages
 from padstudio.web.headers import SECURITY_HEADERS
 
 API_PREFIX = "/api/"
+logger = logging.getLogger(__name__)
 
 _HTTP_MESSAGES = {
     404: "there is nothing at this address; /api/v1/openapi.json lists what there is",
@@ -45,6 +50,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(OSError, _os_error)
+    app.add_exception_handler(SQLAlchemyError, _database_error)
     app.add_exception_handler(Exception, _defect)
 
 
@@ -102,6 +108,14 @@ async def _os_error(request: Request, error: Exception) -> Response:
             code="disk_full",
         )
         return respond_error(request, full)
+    return await _defect(request, error)
+
+
+async def _database_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, SQLAlchemyError)
+    logger.error("the database cannot be used", exc_info=error)
+    if isinstance(error, OperationalError | PoolTimeoutError):
+        return respond_error(request, storage_error(error))
     return await _defect(request, error)
 
 
