@@ -15,6 +15,8 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.errors import BusyError, StorageError
 
+#: What the database raises.
+DatabaseFault = SQLAlchemyError
 #: The last of the revisions in `padstudio.flights.migrations`.
 NEWEST_REVISION = "0003"
 # Alembic keeps its context in a module of its own: one migration at a time in a process.

@@ -11,13 +11,11 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
-from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from padstudio.errors import StorageError, StudioError
-from padstudio.flights.store_database import storage_error
+from padstudio.flights.store_database import DatabaseFault, storage_error
 from padstudio.web import pages
 from padstudio.web.headers import SECURITY_HEADERS
 
@@ -50,7 +48,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _validation_error)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(OSError, _os_error)
-    app.add_exception_handler(SQLAlchemyError, _database_error)
+    app.add_exception_handler(DatabaseFault, _database_error)
     app.add_exception_handler(Exception, _defect)
 
 
@@ -112,11 +110,12 @@ async def _os_error(request: Request, error: Exception) -> Response:
 
 
 async def _database_error(request: Request, error: Exception) -> Response:
-    assert isinstance(error, SQLAlchemyError)
+    assert isinstance(error, DatabaseFault)
     logger.error("the database cannot be used", exc_info=error)
-    if isinstance(error, OperationalError | PoolTimeoutError):
-        return respond_error(request, storage_error(error))
-    return await _defect(request, error)
+    fault = storage_error(error)
+    if fault.error_code == StorageError.code:
+        return await _defect(request, error)
+    return respond_error(request, fault)
 
 
 async def _defect(request: Request, error: Exception) -> Response:
