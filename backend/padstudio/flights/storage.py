@@ -10,6 +10,9 @@ from urllib.parse import unquote, urlsplit
 
 from padstudio.errors import StorageError
 
+# They have no folders, and would make a bucket of whatever name.
+_OBJECT_STORES = frozenset({"s3", "s3a", "gs", "gcs", "az", "abfs"})
+
 
 @contextlib.contextmanager
 def open_source(source: str, *, as_file: bool = False) -> Iterator[str | IO[bytes]]:
@@ -41,9 +44,7 @@ def open_source(source: str, *, as_file: bool = False) -> Iterator[str | IO[byte
             with path.open("rb") as file:
                 yield file
         else:
-            import fsspec
-
-            with fsspec.open(source, "rb") as remote:
+            with _open_remote(source) as remote:
                 yield remote
     except (FileNotFoundError, PermissionError) as error:
         raise StorageError(
@@ -56,6 +57,23 @@ def open_source(source: str, *, as_file: bool = False) -> Iterator[str | IO[byte
             f"{urlsplit(source).scheme} URLs need a further package: pip install padstudio[s3]",
             code="source_unreachable",
         ) from error
+
+
+@contextlib.contextmanager
+def _open_remote(source: str) -> Iterator[IO[bytes]]:
+    import fsspec
+
+    with contextlib.ExitStack() as stack:
+        try:
+            remote = stack.enter_context(fsspec.open(source, "rb"))
+        except (FileNotFoundError, PermissionError, ImportError):
+            raise
+        # Each of fsspec's file systems has errors of its own, for lost networks and lost keys.
+        except Exception as error:
+            raise StorageError(
+                f"a worker cannot reach {source}: {error}", code="source_unreachable"
+            ) from error
+        yield remote
 
 
 def read_bytes(source: str, max_bytes: int) -> bytes:
@@ -107,8 +125,10 @@ class Storage:
         try:
             system, target = fsspec.core.url_to_fs(url)
             if not system.exists(target) or system.size(target) != path.stat().st_size:
-                system.makedirs(target.rpartition("/")[0], exist_ok=True)
+                if urlsplit(url).scheme not in _OBJECT_STORES:
+                    system.makedirs(target.rpartition("/")[0], exist_ok=True)
                 system.put_file(str(path), target)
-        except (OSError, ImportError, ValueError) as error:
+        # As in `_open_remote`.
+        except Exception as error:
             raise StorageError(f"cannot copy an upload to {self._base}: {error}") from error
         return url
