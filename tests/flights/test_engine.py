@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import queue
-import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
+import cluster_processes
 import engine_jobs
 import pytest
-from distributed.security import Security
 
 from padstudio.errors import SpecError
 from padstudio.flights.engine import Engine, EngineOptions
 from padstudio.flights.engine_tasks import Outcome, Task
 
 HERE = Path(__file__).parent
-PROGRAM = "from padstudio.cli import main; main()"
 
 
 class Desk:
@@ -102,12 +96,12 @@ def test_a_death_is_told_and_another_worker_goes_on(desk: Desk) -> None:
 def test_stop_reaches_running_and_waiting_tasks(desk: Desk, tmp_path: Path) -> None:
     running = desk.submit(engine_jobs.WaitForStop(tmp_path))
     waiting = desk.submit(engine_jobs.Say(2))
-    wait_for(tmp_path / "running")
+    cluster_processes.wait_for(tmp_path / "running")
     desk.engine.stop(waiting)
     assert desk.next().kind == "lost"
     desk.engine.stop(running)
     assert desk.next().kind == "lost"
-    wait_for(tmp_path / "stopped")
+    cluster_processes.wait_for(tmp_path / "stopped")
     assert desk.run(engine_jobs.Say(3)).value[0] == 3
 
 
@@ -119,55 +113,16 @@ def test_addresses_without_encryption_are_refused(address: str) -> None:
 
 
 def test_workers_of_the_command_line_join_a_scheduler(tmp_path: Path) -> None:
-    tls = certificates(tmp_path)
-    arguments = ["--tls-ca-file", tls["ca"], "--tls-cert", tls["cert"], "--tls-key", tls["key"]]
-    address_file = tmp_path / "scheduler.json"
-    scheduler = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--protocol", "tls"]
-    scheduler += ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", *arguments]
-    scheduler += ["--scheduler-file", str(address_file)]
-    with running(scheduler), importable(HERE):
-        wait_for(address_file)
-        address = address_of(address_file)
-        worker = [sys.executable, "-c", PROGRAM, "worker", address, "--jobs", "1"]
-        worker += ["--ca", tls["ca"], "--cert", tls["cert"], "--key", tls["key"]]
+    tls = cluster_processes.certificates(tmp_path)
+    with cluster_processes.scheduler(tls, tmp_path) as (_, address), importable(HERE):
         options = EngineOptions(
             scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
         )
-        with running(worker) as process, contextlib.closing(Engine(options)) as engine:
+        with (
+            cluster_processes.worker(tls, address) as process,
+            contextlib.closing(Engine(options)) as engine,
+        ):
             outcome = Desk(engine).run(engine_jobs.Say(8))
             assert outcome.kind == "value"
             assert outcome.value[0] == 8
             assert outcome.value[1] not in (os.getpid(), process.pid)
-
-
-def certificates(folder: Path) -> dict[str, str]:
-    """PEM files of a certificate that is its own authority."""
-    security = Security.temporary()
-    files = {"ca": security.tls_ca_file, "cert": security.tls_client_cert}
-    files["key"] = security.tls_client_key
-    for name, content in files.items():
-        (folder / f"{name}.pem").write_text(str(content))
-    return {name: str(folder / f"{name}.pem") for name in files}
-
-
-def address_of(path: Path) -> str:
-    description: dict[str, Any] = json.loads(path.read_text())
-    return str(description["address"])
-
-
-@contextlib.contextmanager
-def running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """A process that is ended with the context."""
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        yield process
-    finally:
-        process.terminate()
-        process.wait(60)
-
-
-def wait_for(path: Path) -> None:
-    end = time.monotonic() + 60
-    while not path.exists() or (path.suffix and not path.stat().st_size):
-        assert time.monotonic() < end
-        time.sleep(0.01)
