@@ -19,7 +19,7 @@ from padstudio.flights.storage import Storage
 from padstudio.flights.store import Store
 from padstudio.flights.work import WorkLimits
 
-FLIGHTS, FRAMES = 40, 6
+FLIGHTS, FRAMES = 16, 6
 
 
 def wait_until(reached: Callable[[], bool]) -> None:
