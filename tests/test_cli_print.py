@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import typer
 from typer.testing import CliRunner
@@ -10,6 +11,7 @@ from measure_print import make_pad, pdf_info
 from padstudio import cli_print
 from padstudio.cli_support import StudioGroup
 from padstudio.pad.spec import Pad
+from strip_photo import strip_photo
 
 
 @pytest.fixture
@@ -77,3 +79,30 @@ def test_measured_size_goes_into_the_pad_file(app: typer.Typer, pad_file: Path) 
     done = CliRunner().invoke(app, ["measure", str(pad_file), "199", "201"])
     assert done.exit_code == 0, done.output
     assert Pad.load(pad_file).scale == (0.995, 1.005)
+
+
+def test_a_photo_of_the_strip_goes_into_the_pad_file(
+    app: typer.Typer, pad_file: Path, tmp_path: Path
+) -> None:
+    photo = tmp_path / "strip.png"
+    photo.write_bytes(strip_photo([[0.55, 0, 0.45], [0, 1, 0], [0.45, 0, 0.55]]))
+    done = CliRunner().invoke(app, ["crosstalk", str(pad_file), str(photo)])
+    assert done.exit_code == 0, done.output
+    assert "red stands out by 10%" in done.output
+    assert done.output.count("too close") == 2
+    kept = Pad.load(pad_file).crosstalk
+    assert kept is not None
+    np.testing.assert_allclose(kept[0], [0.55, 0, 0.45], atol=0.01)
+    CliRunner().invoke(app, ["crosstalk", str(pad_file), "--forget"])
+    assert Pad.load(pad_file).crosstalk is None
+
+
+def test_a_strip_that_is_of_no_use_leaves_the_pad_as_it_was(
+    app: typer.Typer, pad_file: Path, tmp_path: Path
+) -> None:
+    photo = tmp_path / "strip.png"
+    photo.write_bytes(strip_photo(light=255))
+    done = CliRunner().invoke(app, ["crosstalk", str(pad_file), str(photo)])
+    assert (done.exit_code, "overexposed" in done.output) == (2, True)
+    assert CliRunner().invoke(app, ["crosstalk", str(pad_file)]).exit_code == 2
+    assert Pad.load(pad_file).crosstalk is None

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from padstudio.cli import app
 from padstudio.geometry.camera import Camera
+from padstudio.pad.coverage import METHOD_LIMITS
 from padstudio.pad.spec import Layer, Pad
 
 
@@ -82,8 +83,10 @@ def test_looks_are_listed():
 def test_coverage_shows_spans_and_the_dead_band(files):
     arguments = ("coverage", "--pad", files / "pad.json", "--camera", files / "camera.yaml")
     result = run(*arguments, "--tilts", "0", "--switch-mm", 180)
-    assert "red       0°      62 " in result.stdout
-    assert "2.9 blue cells across, not 5" in result.stderr
+    need = METHOD_LIMITS["dense"].cells_across or 5.0
+    # Cells of 10 mm across 1530 px at f = 1886 px.
+    assert f"red       0°  {need * 10 * 1886 / 1530:6.0f} " in result.stdout
+    assert f"2.9 blue cells across, not {need:g}" in result.stderr
     data = json.loads(run(*arguments, "--tilts", "0,40", "--json").stdout)
     assert [span["channel"] for span in data["spans"]] == ["red", "blue"] * 2
     assert data["dead_bands"] == []

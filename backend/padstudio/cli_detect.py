@@ -60,6 +60,9 @@ def detect(
         Literal["dense", "paper"],
         typer.Option(help="dense: all that is in the picture; paper: the published method."),
     ] = "dense",
+    unmix: Annotated[
+        bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
+    ] = True,
     jobs: Annotated[
         int,
         typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
@@ -92,7 +95,12 @@ def detect(
         # A defect is one line like other errors; its traceback is for who looks for it.
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
     the_camera = load_camera(camera)
-    recipe = Recipe(pad_files.dumps(load_pad(pad)), camera_files.to_ros_yaml(the_camera), method)
+    recipe = Recipe(
+        pad_files.dumps(load_pad(pad)),
+        camera_files.to_ros_yaml(the_camera),
+        method,
+        json.dumps({"prepare": {"unmix": unmix}}),
+    )
     paths = find_frames(frames)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")

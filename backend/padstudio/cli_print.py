@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, cast
 import typer
 
 from padstudio.cli_support import check_output, load_pad, note
+from padstudio.errors import ImageError
 
 if TYPE_CHECKING:
     from padstudio.pad.paper_sheets import SheetOptions, SheetPlan
@@ -21,6 +22,10 @@ _PRINT_EXAMPLES = (
     "[bold]padstudio print pad.json --form strip --paper A4 -o strip.pdf[/]"
 )
 _MEASURE_EXAMPLE = "Example: [bold]padstudio measure pad.json 199.2 200.4[/]"
+_CROSSTALK_EXAMPLES = (
+    "Examples: [bold]padstudio crosstalk pad.json strip.jpg[/] · "
+    "[bold]padstudio crosstalk pad.json --forget[/]"
+)
 
 PadFile = Annotated[Path, typer.Argument(help="Pad file.")]
 Output = Annotated[
@@ -70,6 +75,7 @@ def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
     app.command("print", epilog=_PRINT_EXAMPLES)(print_pad)
     app.command(epilog=_MEASURE_EXAMPLE)(measure)
+    app.command(epilog=_CROSSTALK_EXAMPLES)(crosstalk)
 
 
 def print_pad(
@@ -131,6 +137,35 @@ def measure(
     design = with_measured_size(load_pad(pad), ruler_mm=ruler_mm, x_mm=x_mm, y_mm=y_mm)
     design.save(pad)
     note(f"{pad}: scale {design.scale[0]:.5f} in x, {design.scale[1]:.5f} in y")
+
+
+def crosstalk(
+    pad: Annotated[Path, typer.Argument(help="Pad file; its crosstalk is set.")],
+    photo: Annotated[Path | None, typer.Argument(help="Photo of the printed test strip.")] = None,
+    forget: Annotated[bool, typer.Option("--forget", help="Un-mix frames no longer.")] = False,
+) -> None:
+    """Read a photo of the test strip; frames are then un-mixed by what printer and camera do."""
+    from padstudio.flights import images
+    from padstudio.pad.crosstalk import with_crosstalk
+    from padstudio.vision.crosstalk import estimate_crosstalk
+
+    if (photo is None) != forget:
+        raise typer.BadParameter("give a photo of the test strip, or --forget")
+    design = load_pad(pad)
+    if photo is None:
+        with_crosstalk(design, None).save(pad)
+        note(f"{pad}: frames are not un-mixed")
+        return
+    found = estimate_crosstalk(images.read(photo))
+    if not found.usable:
+        raise ImageError("; ".join(found.warnings), code="unusable_strip")
+    with_crosstalk(design, found.matrix).save(pad)
+    for warning in found.warnings:
+        note(f"warning: {warning}")
+    note(
+        f"{pad}: frames are un-mixed from now on; red stands out by {found.red_separation:.0%}, "
+        f"blue by {found.blue_separation:.0%} of white"
+    )
 
 
 def _sheets(

@@ -17,6 +17,7 @@
  * @property {"rotation" | "plain" | null} unique
  * @property {number | null} distance
  * @property {[number, number]} scale  measured size of the print over its nominal size
+ * @property {import("./planApi.js").Crosstalk | null} crosstalk  by which frames are un-mixed
  * @property {string} created_at
  *
  * @typedef {object} CameraSummary

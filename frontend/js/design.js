@@ -28,7 +28,7 @@
  * @property {string} camera  whose heights are told
  * @property {{stored: CameraSummary[], presets: CameraSummary[]}} cameras
  * @property {import("./coverageLogic.js").CoverageChart | null} chart
- * @property {import("./planApi.js").Crosstalk | null} strip
+ * @property {import("./printLogic.js").StripReading | null} strip
  * @property {import("./components/status.js").Status} status
  */
 
@@ -39,7 +39,7 @@ import { makeDesignView } from "./designView.js";
 import { viewOfPad } from "./padLogic.js";
 import * as planApi from "./planApi.js";
 import { makePrintDesk } from "./printDesk.js";
-import { fileQuery, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
+import { fileQuery, keptStrip, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
 import { makePrints } from "./prints.js";
 import { parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
@@ -83,6 +83,7 @@ const view = makeDesignView({
   onPrint: (print) => set({ print }),
   onMeasured: (x, y) => void prints.takeReadings(x, y),
   onStripPhoto: (photo) => void prints.takeStripPhoto(photo),
+  onStripForget: () => void prints.forgetStrip(),
   onCamera: (camera) => set({ camera }),
   onDownload: (form) => {
     const { options } = parsePrint(state.print);
@@ -99,11 +100,10 @@ const desk = makePrintDesk({
 
 const prints = makePrints({
   padId: save,
-  onScale: async (scale) => {
-    set({ scale });
+  onChange: async (change) => {
+    set(change);
     await refreshList();
   },
-  onStrip: (strip) => set({ strip }),
   onStatus: (status) => set({ status }),
 });
 
@@ -139,7 +139,7 @@ function render() {
 
 /** @param {Record<string, string>} texts */
 function onInput(texts) {
-  set({ texts, savedId: null, scale: [1, 1], stale: true, refused: {}, status: null });
+  set({ texts, savedId: null, scale: [1, 1], strip: null, stale: true, refused: {}, status: null });
   schedulePreview();
 }
 
@@ -233,7 +233,8 @@ async function openPad(id) {
   try {
     const { pad, ...summary } = await api.getPad(id);
     if (mine.signal.aborted) return;
-    set({ savedId: id, scale: summary.scale, texts: textsOfPad(summary, pad), bounds: null });
+    const print = { scale: summary.scale, strip: keptStrip(summary) };
+    set({ savedId: id, ...print, texts: textsOfPad(summary, pad), bounds: null });
     showPad(pad, null);
   } catch (error) {
     set({ savedId: null });
@@ -268,7 +269,7 @@ function onOpen(id) {
 async function onDelete(id) {
   await attempt(async () => {
     await api.deletePad(id);
-    if (state.savedId === id) set({ savedId: null, scale: [1, 1] });
+    if (state.savedId === id) set({ savedId: null, scale: [1, 1], strip: null });
     set({ status: { kind: "ok", text: "Deleted the pad." } });
   });
   await refreshList();

@@ -12,6 +12,7 @@
  * @property {(texts: Record<string, string>) => void} onPrint
  * @property {(x: string, y: string) => void} onMeasured
  * @property {(photo: File) => void} onStripPhoto
+ * @property {() => void} onStripForget
  * @property {(camera: string) => void} onCamera
  * @property {(form: string) => void} onDownload
  * @property {(id: string) => void} onOpen

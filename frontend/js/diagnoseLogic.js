@@ -35,7 +35,8 @@ export function cameraGroups(stored, presets) {
 export function padNote(pad) {
   if (!pad) return "";
   const layers = pad.layers.map((layer) => `${layer.channel} ${layer.cols} × ${layer.rows}`);
-  return `${layers.join(", ")}; b ${pad.window}, Y ${pad.levels}`;
+  const unmixed = pad.crosstalk ? "; un-mixed by its test strip" : "";
+  return `${layers.join(", ")}; b ${pad.window}, Y ${pad.levels}${unmixed}`;
 }
 
 /** @param {CameraSummary | undefined} camera @returns {string} */

@@ -81,9 +81,12 @@ export const planSheets = (pad, options, signal) =>
 export const setScale = (id, readings) =>
   request("PUT", `${padPath(id)}/scale`, { json: readings });
 
-/** @param {string} id @param {File} image @returns {Promise<Crosstalk>} */
+/** @param {string} id @param {File} image @returns {Promise<Crosstalk & {kept: boolean}>} */
 export const measureCrosstalk = (id, image) =>
   request("POST", `${padPath(id)}/crosstalk`, { form: { image } });
+
+/** @param {string} id @returns {Promise<import("./api.js").PadSummary>} */
+export const forgetCrosstalk = (id) => request("DELETE", `${padPath(id)}/crosstalk`);
 
 /**
  * @param {PadShape} pad

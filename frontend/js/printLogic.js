@@ -25,6 +25,8 @@
  * @property {{channel: string, rows: number, cols: number, cell_mm: number}[]} layers
  *
  * @typedef {Record<string, string>} Texts
+ *
+ * @typedef {import("./planApi.js").Crosstalk & {kept: boolean}} StripReading
  */
 
 import { compact, number, size } from "./formatLogic.js";
@@ -201,11 +203,18 @@ export function rulerTexts(scale) {
 }
 
 /**
- * What a photo of the test strip says.
- * @param {import("./planApi.js").Crosstalk} strip
- * @returns {{facts: [string, string][], warnings: string[]}}
+ * The mixture that a stored pad's pictures are un-mixed by.
+ * @param {import("./api.js").PadSummary} pad
+ * @returns {StripReading | null}
  */
-export function stripInWords({ matrix, red_separation: red, blue_separation: blue, warnings }) {
+export const keptStrip = ({ crosstalk }) => crosstalk && { ...crosstalk, kept: true };
+
+/**
+ * What a photo of the test strip says.
+ * @param {StripReading} strip
+ * @returns {{facts: [string, string][], warnings: string[], note: string, kept: boolean}}
+ */
+export function stripInWords({ matrix, red_separation: red, blue_separation: blue, warnings, kept }) {
   const percent = (/** @type {number} */ share) => `${number(100 * share)} %`;
   return {
     facts: [
@@ -215,5 +224,9 @@ export function stripInWords({ matrix, red_separation: red, blue_separation: blu
       ["Blue in the red channel", percent(matrix[0][2])],
     ],
     warnings: warnings.map((text) => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`),
+    note: kept
+      ? "Kept with the pad: its pictures are un-mixed by it. Another printer or camera needs a photo of its own."
+      : "Not kept: pictures are read as they are.",
+    kept,
   };
 }

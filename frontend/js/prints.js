@@ -4,8 +4,8 @@
  *
  * @typedef {object} PrintsOptions
  * @property {() => Promise<string | null>} padId  of the stored pad; stores it first where it is not
- * @property {(scale: [number, number]) => Promise<void>} onScale
- * @property {(strip: import("./planApi.js").Crosstalk | null) => void} onStrip
+ * @property {(change: {scale?: [number, number],
+ *   strip?: import("./printLogic.js").StripReading | null}) => Promise<void>} onChange
  * @property {(status: import("./components/status.js").Status) => void} onStatus
  */
 
@@ -15,7 +15,7 @@ import * as planApi from "./planApi.js";
 import { readings } from "./printLogic.js";
 
 /** @param {PrintsOptions} options */
-export function makePrints({ padId, onScale, onStrip, onStatus }) {
+export function makePrints({ padId, onChange, onStatus }) {
   /** @param {(id: string) => Promise<string>} act  gives what to say of it */
   async function report(act) {
     const id = await padId();
@@ -47,17 +47,22 @@ export function makePrints({ padId, onScale, onStrip, onStatus }) {
         return onStatus({ kind: "bad", text: "Enter what both rulers read, from 100 to 400 mm." });
       }
       await report(async (id) => {
-        await onScale((await planApi.setScale(id, read)).scale);
+        await onChange({ scale: (await planApi.setScale(id, read)).scale });
         return "Set the measured size; poses use it from now on.";
       });
     },
     /** @param {File} photo */
     takeStripPhoto: (photo) =>
       report(async (id) => {
-        onStrip(null);
         onStatus({ kind: "quiet", text: "Reading the strip …" });
-        onStrip(await planApi.measureCrosstalk(id, photo));
+        await onChange({ strip: await planApi.measureCrosstalk(id, photo) });
         return "Read the test strip.";
+      }),
+    forgetStrip: () =>
+      report(async (id) => {
+        await planApi.forgetCrosstalk(id);
+        await onChange({ strip: null });
+        return "Pictures of this pad are not un-mixed any more.";
       }),
   };
 }

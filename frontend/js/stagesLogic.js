@@ -29,6 +29,7 @@
 const STAGES = {
   stretch: { title: "Stretch", about: "Darkest to 0, brightest to 255" },
   denoise: { title: "Denoise", about: "Median filter against specks" },
+  unmix: { title: "Un-mix", about: "Colours taken apart by the test strip" },
   channel: { title: "Channel", about: "One colour taken apart" },
   block_mean: { title: "Block mean", about: "Brighter than the picture and its surroundings" },
   clean: { title: "Clean", about: "Erosion, then dilation" },

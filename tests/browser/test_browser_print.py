@@ -15,6 +15,9 @@ import pytest
 from browser_support import Complaints
 from playwright.sync_api import Page, expect
 
+from padstudio.pad.coverage import METHOD_LIMITS
+from strip_photo import strip_photo
+
 SMALL = "/design?rows=30&cols=20&ratio=2&cell_mm=15&quiet_mm=12&name=sheets"
 CAMERA = "preset-dji-mini-27k"
 
@@ -51,8 +54,8 @@ def test_heights_are_told_for_the_chosen_camera(open_page: Callable[..., Page]) 
     page = open_page(SMALL)
     page.get_by_label("Heights read with").select_option(CAMERA)
     facts = page.locator("#print-panel [data-ref=facts]")
-    # 5 cells of 15 mm across 1530 px at f = 1886 px, as docs/simulation.md has it.
-    low = 5 * 15 / (1530 / 1886.0)
+    # So many cells of 15 mm across 1530 px at f = 1886 px, as docs/simulation.md has it.
+    low = (METHOD_LIMITS["dense"].cells_across or 5) * 15 / (1530 / 1886.0)
     expect(facts).to_contain_text(re.compile(rf"Red layer\s*{low:.1f}"))
     expect(facts).to_contain_text("Blue layer")
     expect(page).to_have_url(re.compile(f"camera={CAMERA}"))
@@ -138,6 +141,31 @@ def test_a_measured_size_is_stored_with_the_pad(
     download.value.save_as(tmp_path / "pad.json")
     scale = json.loads((tmp_path / "pad.json").read_text())["scale"]
     assert scale == pytest.approx([0.996, 1.002])
+
+
+def test_a_photo_of_the_strip_unmixes_the_pads_pictures(
+    open_page: Callable[..., Page], tmp_path: Path
+) -> None:
+    photo = tmp_path / "strip.png"
+    photo.write_bytes(strip_photo([[0.55, 0, 0.45], [0, 1, 0], [0.45, 0, 0.55]]))
+    page = open_page(SMALL)
+    _plan(page)
+    panel = page.locator("#print-panel")
+    forget = page.get_by_role("button", name="Forget the strip")
+    expect(forget).to_be_hidden()
+    page.get_by_label("Photo of the test strip").set_input_files(photo)
+    expect(panel.locator("[data-ref=strip-note]")).to_contain_text("Kept with the pad")
+    expect(panel.locator("[data-ref=strip-warning]")).to_contain_text("Red and blue are too close")
+    expect(page).to_have_url(re.compile(r"\?pad="))
+    page.reload()
+    expect(panel.locator("[data-ref=strip-warning]")).to_contain_text("Red and blue are too close")
+    pad = re.search(r"pad=(\w+)", page.url)[1]  # type: ignore[index]
+    page.goto(f"/diagnose?pad={pad}")
+    expect(page.locator("#pad-choice")).to_contain_text("un-mixed by its test strip")
+    page.goto(f"/design?pad={pad}")
+    forget.click()
+    expect(forget).to_be_hidden()
+    expect(page.locator("#status")).to_contain_text("not un-mixed any more")
 
 
 def test_a_photo_without_a_strip_is_refused(

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -41,6 +42,16 @@ def test_a_real_still_with_its_stages(tmp_path: Path) -> None:
         small = cv2.imread(str(tmp_path / f"small-{name}"), cv2.IMREAD_UNCHANGED)
         assert image.shape[1] / image.shape[0] == pytest.approx(width / height, rel=0.02)
         assert small.shape[1] == min(THUMBNAIL_WIDTH_PX, image.shape[1])
+
+
+def test_colours_are_unmixed_by_the_pads_own_mixture_unless_told_otherwise() -> None:
+    pad = json.loads(_job().pad)
+    # A mixture that the footage's printer does not have turns red and blue round.
+    pad["crosstalk"] = [[0, 0, 1], [0, 1, 0], [1, 0, 0]]
+    turned = replace(_job(), pad=json.dumps(pad))
+    plain = analyze(_job())["result"]["position_mm"]
+    assert analyze(turned)["result"].get("position_mm") != plain
+    assert analyze(replace(turned, unmix=False))["result"]["position_mm"] == plain
 
 
 def test_without_a_trace_nothing_is_written() -> None:

@@ -39,12 +39,12 @@ def test_matrix_comes_back(sheet: Image) -> None:
 def test_unmixing_gives_nominal_colours_back(sheet: Image) -> None:
     mixed = photograph(sheet, MATRIX, OFFSET, light=1.0, fall=0.0)
     found = estimate_crosstalk(mixed)
-    before, after = _separations(mixed), _separations(unmix(mixed, found))
+    before, after = _separations(mixed), _separations(unmix(mixed, found.matrix))
     # What black reflects stays, alike in all channels: white is 1 and black this much less.
     contrast = 1 / (1 + np.linalg.inv(MATRIX) @ OFFSET)[[0, 2]].max()
     assert after == pytest.approx(contrast, abs=0.03)
     assert after > before + 0.3
-    again = estimate_crosstalk(unmix(mixed, found))
+    again = estimate_crosstalk(unmix(mixed, found.matrix))
     off_diagonal = again.matrix - np.diag(np.diag(again.matrix))
     assert np.abs(off_diagonal).max() < 0.03
 
@@ -53,11 +53,13 @@ def test_close_colours_are_warned_of(sheet: Image) -> None:
     close = np.array([[0.30, 0.05, 0.22], [0.05, 0.70, 0.05], [0.25, 0.05, 0.33]])
     found = estimate_crosstalk(photograph(sheet, close, 1 - close.sum(axis=1)))
     assert any("red and blue are too close" in warning for warning in found.warnings)
+    assert found.usable
 
 
 def test_overexposure_is_warned_of(sheet: Image) -> None:
     found = estimate_crosstalk(photograph(sheet, MATRIX, OFFSET, light=1.4))
     assert any("overexposed" in warning for warning in found.warnings)
+    assert not found.usable
 
 
 def test_three_markers_are_enough_and_two_are_not(sheet: Image) -> None:

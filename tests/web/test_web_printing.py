@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -16,6 +15,7 @@ from web_server import SMALL_SPEC, store_pad
 
 from padstudio.pad import files as pad_files
 from padstudio.pad.paper_sheets import SheetOptions, plan_sheets
+from strip_photo import strip_photo
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]
@@ -146,30 +146,62 @@ def test_a_measured_size_that_cannot_be_is_refused(studio: httpx.Client, refused
     assert studio.get(f"{PADS}/{made['id']}").json()["scale"] == [1, 1]
 
 
-def test_the_strip_is_read_from_a_photo(
-    studio: httpx.Client, pad_id: str, refused: Refused, tmp_path: Path
-) -> None:
-    from padstudio.pad import strip
+MIXTURE = [[0.6, 0.02, 0.38], [0.02, 0.9, 0.08], [0.36, 0.04, 0.6]]
 
-    px = 6
-    photo = np.full((80 * px, 220 * px, 3), 235, np.uint8)
-    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
-    side = int(strip.MARKER_MM * px)
-    for number, (x, y) in enumerate(strip.MARKER_CORNERS_MM):
-        left, top = int((x + 15) * px), int((y + 12) * px)
-        marker = cv2.aruco.generateImageMarker(dictionary, number, side)
-        photo[top : top + side, left : left + side] = (marker[..., None] * (235 / 255)).astype(int)
-    for patch in strip.PATCHES:
-        box = patch.box
-        rows = slice(int((box.y0 + 12) * px), int((box.y1 + 12) * px))
-        cols = slice(int((box.x0 + 15) * px), int((box.x1 + 15) * px))
-        photo[rows, cols] = (np.array(patch.rgb[::-1]) * (235 / 255)).astype(int)
-    image = {"image": ("strip.png", cv2.imencode(".png", photo)[1].tobytes())}
-    found = studio.post(f"{PADS}/{pad_id}/crosstalk", files=image).raise_for_status().json()
-    assert np.allclose(found["matrix"], np.eye(3), atol=0.02)
-    assert found["red_separation"] > 0.9
+
+def test_a_photo_of_the_strip_is_kept_with_the_pad(studio: httpx.Client, refused: Refused) -> None:
+    address = f"{PADS}/{store_pad(studio)['id']}"
+    image = {"image": ("strip.png", strip_photo(MIXTURE))}
+    only_read = studio.post(f"{address}/crosstalk", files=image, data={"keep": "false"}).json()
+    assert not only_read["kept"]
+    assert studio.get(address).json()["crosstalk"] is None
+    found = studio.post(f"{address}/crosstalk", files=image).raise_for_status().json()
+    assert found["kept"]
+    assert np.allclose(found["matrix"], MIXTURE, atol=0.02)
+    assert found["red_separation"] == pytest.approx(0.6 - 0.38, abs=0.02)
     assert found["warnings"] == []
+    stored = studio.get(address).json()
+    assert stored["crosstalk"]["matrix"] == stored["pad"]["crosstalk"] == found["matrix"]
+    assert stored["crosstalk"]["red_separation"] == pytest.approx(found["red_separation"], abs=0.01)
+    back = studio.delete(f"{address}/crosstalk").raise_for_status().json()
+    assert back["crosstalk"] is None
+    assert "crosstalk" not in studio.get(address).json()["pad"]
+    refused(studio.delete(f"{PADS}/none/crosstalk"), 404, "not_found")
+
+
+@pytest.mark.parametrize(
+    ("mixture", "light", "warning"),
+    [
+        (np.eye(3), 255.0, "overexposed"),
+        ([[0.5, 0, 0.5], [0, 1, 0], [0.49, 0, 0.51]], 235.0, "cannot be told apart"),
+    ],
+)
+def test_a_photo_that_is_of_no_use_is_not_kept(
+    studio: httpx.Client, mixture: Any, light: float, warning: str
+) -> None:
+    address = f"{PADS}/{store_pad(studio)['id']}"
+    image = {"image": ("strip.png", strip_photo(mixture, light=light))}
+    found = studio.post(f"{address}/crosstalk", files=image).raise_for_status().json()
+    assert not found["kept"]
+    assert any(warning in text for text in found["warnings"])
+    assert studio.get(address).json()["crosstalk"] is None
+
+
+def test_close_colours_are_warned_of_wherever_the_pad_is_shown(studio: httpx.Client) -> None:
+    address = f"{PADS}/{store_pad(studio)['id']}"
+    close = [[0.55, 0, 0.45], [0, 1, 0], [0.45, 0, 0.55]]
+    image = {"image": ("strip.png", strip_photo(close))}
+    found = studio.post(f"{address}/crosstalk", files=image).raise_for_status().json()
+    assert found["kept"]
+    assert len([text for text in found["warnings"] if "too close" in text]) == 2
+    assert len(studio.get(address).json()["crosstalk"]["warnings"]) == 2
+
+
+def test_a_picture_without_the_strip_is_refused(
+    studio: httpx.Client, pad_id: str, refused: Refused
+) -> None:
     blank = cv2.imencode(".png", np.full((100, 100, 3), 200, np.uint8))[1].tobytes()
     answer = studio.post(f"{PADS}/{pad_id}/crosstalk", files={"image": ("a.png", blank)})
-    assert answer.status_code == 422
+    refused(answer, 422, "no_test_strip")
+    image = {"image": ("strip.png", strip_photo())}
     refused(studio.post(f"{PADS}/none/crosstalk", files=image), 404, "not_found")

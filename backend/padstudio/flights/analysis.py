@@ -17,6 +17,7 @@ from padstudio.geometry import camera_files
 from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel
 from padstudio.vision import overlays
+from padstudio.vision.params import DetectorParams, PrepareParams
 from padstudio.vision.pipeline import Detector
 from padstudio.vision.types import Detection, Image, Method, StageRecord, Trace
 
@@ -46,6 +47,8 @@ class Job:
     method : {"dense", "paper"}
     max_pixels : int
         Limit on the picture.
+    unmix : bool
+        Un-mix the colours where the pad knows their mixture.
     pictures : Path or None
         An empty folder for the stage pictures; None where no trace is wanted.
     """
@@ -56,6 +59,7 @@ class Job:
     camera: str
     method: Method
     max_pixels: int
+    unmix: bool = True
     pictures: Path | None = None
 
 
@@ -78,7 +82,7 @@ def analyze(job: Job) -> dict[str, Any]:
     """
     image = images.decode(job.image, job.max_pixels)
     height, width = image.shape[:2]
-    detector = _detector(job.pad, job.camera, job.method)
+    detector = _detector(job.pad, job.camera, job.method, job.unmix)
     camera = detector.camera.for_frame(width, height)
     detection = detector.detect(image, trace=job.pictures is not None)
     stages = None
@@ -94,8 +98,9 @@ def analyze(job: Job) -> dict[str, Any]:
 
 # The index of a large pad takes longer to build than a picture to read.
 @lru_cache(maxsize=4)
-def _detector(pad: str, camera: str, method: Method) -> Detector:
-    return Detector(pad_files.loads(pad), camera_files.loads(camera), method=method)
+def _detector(pad: str, camera: str, method: Method, unmix: bool) -> Detector:
+    params = DetectorParams(prepare=PrepareParams(unmix=unmix))
+    return Detector(pad_files.loads(pad), camera_files.loads(camera), method=method, params=params)
 
 
 def paint(

@@ -8,6 +8,7 @@ from typing import Any
 
 from padstudio.pad import coding, tables, verify
 from padstudio.pad import files as pad_files
+from padstudio.pad.crosstalk import Matrix, separation, separation_warnings
 from padstudio.pad.spec import Layer, Pad
 
 
@@ -157,4 +158,16 @@ def summarize(pad: Pad) -> dict[str, Any]:
         "unique": pad.unique,
         "distance": pad.distance,
         "scale": list(pad.scale),
+        "crosstalk": None if pad.crosstalk is None else summarize_crosstalk(pad.crosstalk),
+    }
+
+
+def summarize_crosstalk(matrix: Matrix) -> dict[str, Any]:
+    """What lists show of the mixture by which a pad's frames are un-mixed."""
+    red, blue = separation(matrix)
+    return {
+        "matrix": [list(row) for row in matrix],
+        "red_separation": round(red, 4),
+        "blue_separation": round(blue, 4),
+        "warnings": separation_warnings(red, blue),
     }

@@ -66,6 +66,8 @@ def to_dict(pad: Pad) -> dict[str, Any]:
     data |= {key: getattr(pad, key) for key in _OPTIONAL if getattr(pad, key) is not None}
     if pad.scale != (1.0, 1.0):
         data["scale"] = list(pad.scale)
+    if pad.crosstalk is not None:
+        data["crosstalk"] = [list(row) for row in pad.crosstalk]
     data["layers"] = [
         {"channel": layer.channel, "cell_mm": layer.cell_mm, "codes": to_codes(layer.field)}
         for layer in pad.layers
@@ -99,6 +101,7 @@ def from_dict(data: Any) -> Pad:
         unique=_unique(data),
         distance=_optional_integer(data, "distance"),
         scale=_scale(data),
+        crosstalk=data.get("crosstalk"),
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import PadFormatError
+from padstudio.pad.crosstalk import Matrix, check_matrix
 
 Channel = Literal["red", "green", "blue"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
@@ -104,6 +105,9 @@ class Pad:
         The least Hamming distance of two windows that it was generated for; None where unknown.
     scale : (x, y)
         Measured size of the print over its nominal size; 1.0 until somebody measured.
+    crosstalk : 3 rows of 3 numbers, or None
+        How printer and camera mix the colours (`padstudio.pad.crosstalk`); frames are un-mixed by
+        it. None until somebody photographed the test strip.
     """
 
     layers: tuple[Layer, ...]
@@ -116,6 +120,7 @@ class Pad:
     unique: Literal["rotation", "plain"] | None = None
     distance: int | None = None
     scale: tuple[float, float] = field(default=(1.0, 1.0))
+    crosstalk: Matrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -132,6 +137,8 @@ class Pad:
             raise PadFormatError(f"quiet_mm is {self.quiet_mm}; it must be 0 … 10000")
         if not all(np.isfinite(s) and 0.5 <= s <= 2.0 for s in self.scale):
             raise PadFormatError(f"scale is {self.scale}; it must lie within 0.5 … 2 in x and y")
+        if self.crosstalk is not None:
+            object.__setattr__(self, "crosstalk", check_matrix(self.crosstalk))
         for layer in self.layers:
             self._check_layer(layer)
 

@@ -13,16 +13,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.errors import ImageError
+from padstudio.errors import ImageError, PadFormatError
 from padstudio.pad import strip
+from padstudio.pad.crosstalk import Matrix, check_matrix, separation_warnings
 from padstudio.pad.paper import Box
 from padstudio.vision.types import Array, Image
 
-#: Below this the cells of a layer hardly stand out in their channel.
-LEAST_SEPARATION = 0.15
 _PX_PER_MM = 4
 _LEAST_MARKERS = 3
 _CLIPPED = 252.0
+_DIM = 60.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,8 @@ class Crosstalk:
         be dark, as a share of white.
     warnings : tuple of str
         What is wrong with the photo, or with the colours, in plain words.
+    usable : bool
+        The photo is well exposed, and the mixture can be undone.
     """
 
     matrix: Array
@@ -51,6 +53,7 @@ class Crosstalk:
     red_separation: float
     blue_separation: float
     warnings: tuple[str, ...]
+    usable: bool = True
 
 
 def estimate_crosstalk(bgr: Image) -> Crosstalk:
@@ -84,17 +87,20 @@ def estimate_crosstalk(bgr: Image) -> Crosstalk:
     matrix, offset, residual = _fit(seen)
     red = min(seen["red"][0], seen["magenta"][0]) - max(seen["black"][0], seen["blue"][0])
     blue = min(seen["blue"][2], seen["magenta"][2]) - max(seen["black"][2], seen["red"][2])
+    faults = _photo_faults(paper, matrix)
+    warnings = (*faults, *separation_warnings(float(red), float(blue)), *_grey_faults(seen))
     return Crosstalk(
         matrix=matrix,
         offset=offset,
         residual=residual,
         red_separation=float(red),
         blue_separation=float(blue),
-        warnings=tuple(_warnings(paper, seen, float(red), float(blue), matrix)),
+        warnings=warnings,
+        usable=not faults,
     )
 
 
-def unmix(bgr: Image, crosstalk: Crosstalk) -> Image:
+def unmix(bgr: Image, matrix: Matrix | Array) -> Image:
     """A frame with its channels taken apart again.
 
     White stays as it is; the exposure need not be known.
@@ -102,13 +108,15 @@ def unmix(bgr: Image, crosstalk: Crosstalk) -> Image:
     Parameters
     ----------
     bgr : (H, W, 3) uint8
+    matrix : (3, 3)
+        As `Crosstalk.matrix`.
 
     Returns
     -------
     (H, W, 3) uint8
         BGR, sRGB encoded as the frame was.
     """
-    inverse = np.linalg.inv(crosstalk.matrix)
+    inverse = np.linalg.inv(np.array(matrix, float))
     # Rows that sum to 1 keep white; what black reflects is spread over the channels alike.
     inverse /= inverse.sum(axis=1, keepdims=True)
     table = linear_from_srgb(np.arange(256.0)).astype(np.float32)
@@ -181,23 +189,22 @@ def _fit(seen: dict[str, Array]) -> tuple[Array, Array, float]:
     return solution[:3].T, solution[3], residual
 
 
-def _warnings(
-    paper: Array, seen: dict[str, Array], red: float, blue: float, matrix: Array
-) -> list[str]:
+def _photo_faults(paper: Array, matrix: Array) -> list[str]:
+    """Why a photo gives no mixture that frames could be un-mixed by."""
     out = []
     if paper.max() >= _CLIPPED:
         out.append("the paper is overexposed: photograph the strip darker")
-    if paper.min() < 60:
+    if paper.min() < _DIM:
         out.append("the paper is underexposed: photograph the strip brighter")
-    for name, value in (("red", red), ("blue", blue)):
-        if value < LEAST_SEPARATION:
-            out.append(
-                f"red and blue are too close: the {name} layer stands out by {value:.0%} of white "
-                f"in its channel, and should by {LEAST_SEPARATION:.0%}; use purer inks"
-            )
-    if np.linalg.cond(matrix) > 50:
-        out.append("the colours cannot be told apart well enough to un-mix them")
+    try:
+        check_matrix(matrix)
+    except PadFormatError as error:
+        out.append(error.message)
+    return out
+
+
+def _grey_faults(seen: dict[str, Array]) -> list[str]:
     greys = [seen[patch.name].mean() for patch in strip.PATCHES if patch.name.startswith("grey")]
     if (np.diff(greys) <= 0.005).any():
-        out.append("neighbouring grey steps look alike: use fewer levels")
-    return out
+        return ["neighbouring grey steps look alike: use fewer levels"]
+    return []

@@ -32,13 +32,7 @@ from padstudio.vision.paper_lines import find_merged_lines
 from padstudio.vision.paper_pose import WindowPose, choose_larger, window_pose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planes import Plane, Pyramid
-from padstudio.vision.prepare import (
-    Stretch,
-    denoised,
-    find_denoise,
-    find_stretch,
-    take_channel,
-)
+from padstudio.vision.prepare import Stretch, find_stretch, prepare, take_channel
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import Region, find_regions
 from padstudio.vision.types import Detection, Image, StageFailure
@@ -79,10 +73,7 @@ class Paper:
     def detect(self, bgr: Image, recorder: Recorder) -> Detection:
         """Find the pad in one frame, without any hint."""
         camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
-        denoise = recorder.run(
-            "denoise", None, find_denoise, bgr, self.params.prepare.impulse_share
-        )
-        pyramid = Pyramid(denoised(bgr, denoise))
+        pyramid = prepare(bgr, self.pad, self.params.prepare, recorder)
         stretch = recorder.run("stretch", None, find_stretch, pyramid)
         regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
         frame = _Frame(pyramid, camera, stretch, regions[0], recorder)

@@ -5,25 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from padstudio.errors import SpecError
-from padstudio.vision.crosstalk import Crosstalk
 
 
 @dataclass(frozen=True, kw_only=True)
 class PrepareParams:
-    """Stages `stretch` and `denoise`.
+    """Stages `denoise` and `unmix`.
 
     Attributes
     ----------
     impulse_share : float
         Share of salt and pepper from which the 3 × 3 median is taken.
-    crosstalk : Crosstalk or None
-        The mixture of colours of this printer and camera, from a photo of the test strip; frames
-        are un-mixed by it. It costs a pass over the whole frame, so it pays only where a layer is
-        hard to read.
+    unmix : bool
+        Un-mix frames by the pad's crosstalk where it has one.
     """
 
     impulse_share: float = 0.005
-    crosstalk: Crosstalk | None = None
+    unmix: bool = True
 
     def __post_init__(self) -> None:
         _within("impulse_share", self.impulse_share, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Stages `stretch`, `denoise` and `channel`: from a frame to comparable planes."""
+"""Stages `stretch`, `denoise`, `unmix` and `channel`: from a frame to comparable planes."""
 
 from __future__ import annotations
 
@@ -8,8 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.spec import Channel
+from padstudio.pad.crosstalk import Matrix
+from padstudio.pad.spec import Channel, Pad
+from padstudio.vision.crosstalk import unmix
+from padstudio.vision.params import PrepareParams
 from padstudio.vision.planes import BGR_INDEX, Box, Plane, Pyramid
+from padstudio.vision.recorder import Recorder
 from padstudio.vision.types import Image
 
 # Percentiles rather than extremes: one hot pixel must not decide.
@@ -68,6 +72,23 @@ class Denoise:
     applied: bool
 
 
+@dataclass(frozen=True)
+class Unmixing:
+    """Colours that are taken apart by the pad's crosstalk.
+
+    Attributes
+    ----------
+    matrix : 3 rows of 3 numbers
+        As `padstudio.pad.crosstalk`.
+    """
+
+    matrix: Matrix
+
+    def apply(self, image: Image) -> Image:
+        """The picture un-mixed, (H, W, 3) uint8."""
+        return unmix(image, self.matrix)
+
+
 def find_stretch(pyramid: Pyramid) -> Stretch:
     """Measure the grey values that span a frame."""
     level = max(0, round(np.log2(max(pyramid.width / _STATISTICS_WIDTH, 1))))
@@ -116,6 +137,27 @@ def find_denoise(image: Image, threshold: float) -> Denoise:
 def denoised(image: Image, denoise: Denoise) -> Image:
     """The frame without salt and pepper, or the frame itself."""
     return np.asarray(cv2.medianBlur(image, 3)) if denoise.applied else image
+
+
+def prepare(image: Image, pad: Pad, params: PrepareParams, recorder: Recorder) -> Pyramid:
+    """A frame without salt and pepper, its colours taken apart where the pad knows their mixture.
+
+    Parameters
+    ----------
+    image : (H, W, 3) uint8
+        BGR.
+    pad : Pad
+    params : PrepareParams
+    recorder : Recorder
+        Keeps the stages `denoise` and `unmix`.
+    """
+    denoise = recorder.run("denoise", None, find_denoise, image, params.impulse_share)
+    frame = denoised(image, denoise)
+    if pad.crosstalk is not None and params.unmix:
+        unmixing = Unmixing(pad.crosstalk)
+        recorder.note("unmix", None, unmixing)
+        frame = unmixing.apply(frame)
+    return Pyramid(frame)
 
 
 def take_channel(

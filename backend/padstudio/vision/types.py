@@ -24,6 +24,7 @@ Method = Literal["dense", "paper"]
 STAGES = (
     "stretch",
     "denoise",
+    "unmix",
     "channel",
     "block_mean",
     "clean",

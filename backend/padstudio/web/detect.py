@@ -41,6 +41,7 @@ async def detect_image(
     pad: Annotated[str, Form(max_length=64, description="Id of a stored pad.")],
     camera: Annotated[str, Form(max_length=64, description="Id of a camera or preset.")],
     method: Annotated[Literal["dense", "paper"], Form()] = "dense",
+    unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True,
     trace: Annotated[bool, Form(description="Keep every stage, with pictures.")] = False,
 ) -> DetectionAnswer:
     settings, store = shared.settings, shared.store
@@ -55,6 +56,7 @@ async def detect_image(
             camera=await run_in_threadpool(camera_text, store, camera),
             method=method,
             max_pixels=settings.max_image_pixels,
+            unmix=unmix,
             pictures=folder,
         )
         answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)

@@ -63,6 +63,8 @@ def paint(
 def read_strip(photo: bytes, max_pixels: int) -> dict[str, Any]:
     """The mixture of colours from a photo of the test strip, JSON-serialisable.
 
+    With ``usable``: whether frames can be un-mixed by it.
+
     Raises
     ------
     ImageError, LimitError
@@ -78,6 +80,7 @@ def read_strip(photo: bytes, max_pixels: int) -> dict[str, Any]:
         "red_separation": round(found.red_separation, 4),
         "blue_separation": round(found.blue_separation, 4),
         "warnings": list(found.warnings),
+        "usable": found.usable,
     }
 
 

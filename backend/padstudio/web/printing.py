@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, cast
 
-from fastapi import APIRouter, File, Query, Response, UploadFile
+from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
@@ -12,8 +12,10 @@ from starlette.background import BackgroundTask
 from padstudio.flights import design
 from padstudio.flights.store_files import remove
 from padstudio.pad import files as pad_files
+from padstudio.pad.crosstalk import with_crosstalk
 from padstudio.pad.measured import with_measured_size
 from padstudio.pad.paper_sheets import plan_sheets
+from padstudio.pad.spec import Pad
 from padstudio.render import documents
 from padstudio.web import painting
 from padstudio.web.pads import pad_summary
@@ -87,21 +89,19 @@ def plan_a_shape(request: SheetsRequest) -> SheetPlanInfo:
 def set_pad_scale(pad_id: ItemId, size: MeasuredSize, shared: Shared) -> PadSummary:
     pad = pad_files.loads(shared.store.pads.get(pad_id).content or "")
     measured = with_measured_size(pad, ruler_mm=size.ruler_mm, x_mm=size.x_mm, y_mm=size.y_mm)
-    stored = shared.store.pads.replace(
-        pad_id, pad_files.dumps(measured), design.summarize(measured)
-    )
-    return pad_summary(stored)
+    return _replace(pad_id, measured, shared)
 
 
 @router.post(
     "/pads/{pad_id}/crosstalk",
     operation_id="measureCrosstalk",
-    summary="Read a photo of the test strip",
+    summary="Read a photo of the test strip, and un-mix the pad's frames by it",
 )
 async def measure_crosstalk(
     pad_id: ItemId,
     image: Annotated[UploadFile, File(description="A photo of the printed test strip.")],
     shared: Shared,
+    keep: Annotated[bool, Form(description="Keep it with the pad, where it is usable.")] = True,
 ) -> CrosstalkInfo:
     settings = shared.settings
     check_size(image.size, settings.max_upload_bytes, "photo")
@@ -111,7 +111,29 @@ async def measure_crosstalk(
         *(await image.read(), settings.max_image_pixels),
         timeout_s=settings.detect_seconds,
     )
-    return CrosstalkInfo(**found)
+    kept = keep and found["usable"]
+    if kept:
+        await run_in_threadpool(_keep_crosstalk, pad_id, found["matrix"], shared)
+    return CrosstalkInfo(**found, kept=kept)
+
+
+@router.delete(
+    "/pads/{pad_id}/crosstalk",
+    operation_id="forgetCrosstalk",
+    summary="Un-mix the pad's frames no longer",
+)
+def forget_crosstalk(pad_id: ItemId, shared: Shared) -> PadSummary:
+    return _keep_crosstalk(pad_id, None, shared)
+
+
+def _keep_crosstalk(pad_id: str, matrix: list[list[float]] | None, shared: Services) -> PadSummary:
+    pad = pad_files.loads(shared.store.pads.get(pad_id).content or "")
+    return _replace(pad_id, with_crosstalk(pad, matrix), shared)
+
+
+def _replace(pad_id: str, pad: Pad, shared: Services) -> PadSummary:
+    stored = shared.store.pads.replace(pad_id, pad_files.dumps(pad), design.summarize(pad))
+    return pad_summary(stored)
 
 
 async def _painted(

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
+from padstudio.web.schemas_pads import PadCrosstalk
 
 SPEC_EXAMPLE: dict[str, Any] = {
     "name": "helipad",
@@ -181,6 +182,9 @@ class PadSummary(BaseModel):
     distance: int | None
     scale: tuple[float, float] = Field(
         (1.0, 1.0), description="Measured size of the print over its nominal size, x and y."
+    )
+    crosstalk: PadCrosstalk | None = Field(
+        None, description="From a photo of the test strip; frames are un-mixed by it."
     )
     created_at: datetime
 

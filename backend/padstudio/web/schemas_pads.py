@@ -43,6 +43,17 @@ class PadBounds(BaseModel):
     )
 
 
+class PadCrosstalk(BaseModel):
+    """The mixture of colours by which a pad's frames are un-mixed."""
+
+    matrix: list[list[float]] = Field(
+        description="RGB, linear light: camera = matrix @ ink + offset, as shares of white."
+    )
+    red_separation: float = Field(description="By how much red stands out in its channel.")
+    blue_separation: float
+    warnings: list[str]
+
+
 def table_sizes(
     name: Annotated[
         str | None, Form(max_length=200, description="Instead of the file's own name.")

@@ -13,6 +13,7 @@ from padstudio.pad.paper_sheets import Joint, Orientation, Seams, SheetOptions
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, Channel, Layer, Pad
 from padstudio.render.inks import Ink
 from padstudio.render.options import PrintOptions
+from padstudio.web.schemas_pads import PadCrosstalk
 
 RULER_MM = 200.0
 _SHAPE_EXAMPLE: dict[str, Any] = {
@@ -220,8 +221,8 @@ class MeasuredSize(BaseModel):
     ruler_mm: float = Field(RULER_MM, gt=0, le=10_000, description="What the rulers should be.")
 
 
-class CrosstalkInfo(BaseModel):
-    """The mixture of colours of one printer and one camera."""
+class CrosstalkInfo(PadCrosstalk):
+    """What a photo of the test strip says of one printer and one camera."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -233,16 +234,12 @@ class CrosstalkInfo(BaseModel):
                     "red_separation": 0.55,
                     "blue_separation": 0.41,
                     "warnings": [],
+                    "kept": True,
                 }
             ]
         }
     )
 
-    matrix: list[list[float]] = Field(
-        description="RGB, linear light: camera = matrix @ ink + offset, as shares of white."
-    )
     offset: list[float]
     residual: float
-    red_separation: float
-    blue_separation: float
-    warnings: list[str]
+    kept: bool = Field(description="Frames of this pad are un-mixed by it from now on.")

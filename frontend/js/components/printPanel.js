@@ -13,7 +13,8 @@
  * @property {string} warning  a dead band between the layers
  * @property {[string, string]} rulers  what the printed rulers read
  * @property {boolean} isSaved
- * @property {{facts: Facts, warnings: string[]} | null} strip  what a photo of the test strip says
+ * @property {{facts: Facts, warnings: string[], note: string, kept: boolean} | null} strip  what a
+ *   photo of the test strip says
  */
 
 import { mountFacts } from "./facts.js";
@@ -22,9 +23,9 @@ import { mountTextForm } from "./textForm.js";
 /**
  * @param {HTMLElement} root
  * @param {{onInput: (texts: Texts) => void, onMeasured: (x: string, y: string) => void,
- *   onStripPhoto: (photo: File) => void}} events
+ *   onStripPhoto: (photo: File) => void, onStripForget: () => void}} events
  */
-export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto }) {
+export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto, onStripForget }) {
   const find = (/** @type {string} */ name) =>
     /** @type {HTMLElement} */ (root.querySelector(`[data-ref="${name}"]`));
   const form = mountTextForm(/** @type {HTMLFormElement} */ (find("options")), { onInput });
@@ -44,6 +45,7 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto }) {
     photo.value = "";
     if (file) onStripPhoto(file);
   });
+  find("strip-forget").addEventListener("click", onStripForget);
 
   return {
     /** @param {PrintPanelState} state */
@@ -63,6 +65,8 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto }) {
       find("measured-note").textContent = isSaved ? "" : "Entering a size saves the pad first.";
       stripFacts.update(strip?.facts ?? []);
       find("strip-warning").textContent = strip?.warnings.join(" ") ?? "";
+      find("strip-note").textContent = strip?.note ?? "";
+      find("strip-forget").hidden = !strip?.kept;
     },
   };
 }

@@ -1,5 +1,5 @@
 import {
-  cellFacts, DEFAULT_PRINT, fileQuery, parsePrint, planFacts, printFromQuery, printToQuery,
+  cellFacts, DEFAULT_PRINT, fileQuery, keptStrip, parsePrint, planFacts, printFromQuery, printToQuery,
   readings, rulerTexts, shapeOfPad, sheetOptions, stripInWords,
 } from "/static/js/printLogic.js";
 import { contains, equal } from "./check.js";
@@ -77,10 +77,16 @@ export const tests = {
   "the strip in words": () => {
     const found = stripInWords({
       matrix: [[1, 0, 0.04], [0, 1, 0], [0.11, 0, 1]], red_separation: 0.5, blue_separation: 0.1,
-      warnings: ["use purer inks"],
+      warnings: ["use purer inks"], kept: true,
     });
     equal(found.facts[3], ["Blue in the red channel", "4 %"]);
     equal(found.facts[2], ["Red in the blue channel", "11 %"]);
     equal(found.warnings, ["Use purer inks."]);
+    equal([found.kept, found.note.startsWith("Kept with the pad")], [true, true]);
+  },
+  "the strip that a pad was stored with": () => {
+    const crosstalk = { matrix: [], red_separation: 0.5, blue_separation: 0.4, warnings: [] };
+    equal(keptStrip({ crosstalk }), { ...crosstalk, kept: true });
+    equal(keptStrip({ crosstalk: null }), null);
   },
 };
