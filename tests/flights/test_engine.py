@@ -10,6 +10,7 @@ from pathlib import Path
 
 import cluster_processes
 import engine_jobs
+import psutil
 import pytest
 
 from padstudio.errors import SpecError
@@ -69,6 +70,12 @@ def test_a_value_comes_from_another_process(desk: Desk) -> None:
     assert outcome.value[1] != os.getpid()
     assert desk.engine.worker_pids() == [outcome.value[1]]
     assert desk.engine.capacity == 1
+
+
+def test_workers_here_leave_the_server_the_first_turn(desk: Desk) -> None:
+    server = psutil.Process().nice()
+    for pid in desk.engine.worker_pids():
+        assert psutil.Process(pid).nice() == max(10, server)
 
 
 def test_refusals_keep_code_and_detail(desk: Desk) -> None:

@@ -13,9 +13,10 @@ from pathlib import Path
 
 import httpx
 import pytest
+from web_server import settings_for
 
 from padstudio.errors import StudioError
-from padstudio.web.serve import serve
+from padstudio.web.serve import _listen, serve
 
 _PROGRAM = """
 import sys
@@ -87,6 +88,12 @@ def test_a_port_in_use_is_named(tmp_path: Path) -> None:
             serve("127.0.0.1", port, tmp_path)
     assert caught.value.error_code == "port_in_use"
     assert not list(tmp_path.iterdir())
+
+
+def test_connections_send_at_once(tmp_path: Path) -> None:
+    with _listen(settings_for(tmp_path, port=0)) as listener:
+        # Else asyncio leaves TCP_NODELAY off.
+        assert listener.proto == socket.IPPROTO_TCP
 
 
 def test_an_address_of_another_machine(tmp_path: Path) -> None:

@@ -185,6 +185,7 @@ class Engine:
             protocol="tls://",
             security=security,
             dashboard_address=None,
+            preload=["padstudio.flights.engine_priority"],
             worker_dashboard_address=None,
             # The scheduler serves its state in any case; a free port, as two studios may run.
             scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},

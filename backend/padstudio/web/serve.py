@@ -56,7 +56,9 @@ def _listen(settings: Settings) -> socket.socket:
         info = socket.getaddrinfo(
             settings.host, settings.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
         )[0]
-        listener = socket.socket(info[0], info[1])
+        # With the protocol named, asyncio turns off Nagle's algorithm, which makes answers that are
+        # sent in two parts wait for the peer's delayed acknowledgement: 40 ms each.
+        listener = socket.socket(*info[:3])
         try:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             listener.bind(info[4])
