@@ -23,6 +23,8 @@
  * @property {import("./queueLogic.js").Frame | null} shown  the frame's result
  * @property {boolean} stale  the stages shown are those of another frame
  * @property {string} reason  at which "next failure" stops; empty: any
+ * @property {import("./frameTableLogic.js").Filter | null} filter  of the table; null: it is closed
+ * @property {import("./frameTableLogic.js").TablePage | null} tablePage
  * @property {boolean} playing
  * @property {string | null} stage  enlarged
  * @property {string} wish  the channel that is enlarged, or "both"
@@ -34,10 +36,12 @@ import { download, readAddress, writeAddress } from "./address.js";
 import * as api from "./api.js";
 import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
+import { makeFlightFrames } from "./flightFrames.js";
 import { isOpen } from "./flightLogic.js";
 import * as flightsApi from "./flightsApi.js";
 import { withPreview, withRecord, withStages } from "./flightFrameLogic.js";
 import { makeFrameLoader } from "./frameLoader.js";
+import { filterFromText, filterToText } from "./frameTableLogic.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
 import { watchFlight } from "./flightWatch.js";
@@ -65,6 +69,8 @@ const state = {
   shown: null,
   stale: false,
   reason: address.get("reason") ?? "",
+  filter: filterFromText(address.get("frames")),
+  tablePage: null,
   playing: false,
   stage: address.get("stage"),
   wish: address.get("channel") ?? "both",
@@ -86,6 +92,8 @@ const view = makeFlightView(id, {
     play();
   },
   onReason: (reason) => set({ reason }),
+  onFilter: (filter) => frames.filter(filter),
+  onTurn: (by) => frames.turn(by),
   onStage: (stage, wish) => set({ stage, ...(wish ? { wish } : {}), viewport: null }),
   onLightbox: (change) => set(change),
   onCompare: (compared) => {
@@ -103,6 +111,7 @@ const view = makeFlightView(id, {
   onCopy: () => void copyRecord(),
 });
 const data = makeFlightData(id, { state: () => state, set, columns: () => view.columns() });
+const frames = makeFlightFrames(id, { state: () => state, set });
 const loader = makeFrameLoader(id, {
   onRecord: (frame, record) => set(withRecord(state, frame, record)),
   onPreview: (_, url, size) => {
@@ -134,12 +143,13 @@ function set(change) {
 const whole = () => (state.flight ? wholeOf(state.flight) : null);
 
 function writeState() {
-  const { frame, stage, wish, viewport, part, reason, compared } = state;
+  const { frame, stage, wish, viewport, part, reason, compared, filter } = state;
   writeAddress({
     frame: frame === null ? null : String(frame),
     part: partToText(part),
     reason,
     with: compared,
+    frames: filterToText(filter),
     stage,
     channel: stage ? wish : null,
     at: stage ? viewportToText(viewport) : null,
@@ -228,7 +238,10 @@ function takeFlight(flight) {
   const before = state.flight;
   set({ flight: { ...before, ...flight } });
   const moved = before?.frames_done !== flight.frames_done || before?.state !== flight.state;
-  if (!before || moved) data.changed();
+  if (!before || moved) {
+    data.changed();
+    frames.changed();
+  }
   // The files were looked into since.
   if (flight.frames_total !== null && !flight.sources && !before?.sources?.length) void refresh();
   if (state.frame === null) seek(whole()?.first ?? 0);

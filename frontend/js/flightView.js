@@ -7,6 +7,7 @@
 import { mountCharts } from "./components/charts.js";
 import { mountExportList } from "./components/exportList.js";
 import { mountFacts } from "./components/facts.js";
+import { mountFrameTable } from "./components/frameTable.js";
 import { mountFlightHead } from "./components/flightHead.js";
 import { mountLightbox } from "./components/lightbox.js";
 import { mountPoseReport } from "./components/poseReport.js";
@@ -43,6 +44,7 @@ export function makeFlightView(id, on) {
     onWhole: () => on.onPart(null),
     onEnd: on.onEnd,
   });
+  const table = mountFrameTable(byId("frames"), { onFilter: on.onFilter, onTurn: on.onTurn, onSeek: on.onSeek });
   const report = mountPoseReport(byId("report"), { onEnlarge: () => on.onStage("result"), onCopy: on.onCopy });
   const grid = mountStageGrid(byId("stages"), { onOpen: on.onStage });
   const lightbox = mountLightbox(byId("lightbox"), {
@@ -94,6 +96,7 @@ export function makeFlightView(id, on) {
       timeline.update({ timeline: state.timeline, other: state.otherTimeline, whole, part, frame, timeS });
       const reasons = state.summary ? reasonsOf(state.summary) : [];
       transport.update({ frame, timeS, whole, playing, zoomed: Boolean(part), reasons, reason });
+      table.update({ filter: state.filter, page: state.tablePage, frame, reasons });
       updateFrame(state);
       summary.update(state.summary ? summaryFacts(state.summary) : []);
       settings.update(flight ? settingsFacts(flight) : []);

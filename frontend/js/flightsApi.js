@@ -58,7 +58,8 @@
  * @property {Record<string, number>} reasons
  * @property {Record<string, number>} layers
  *
- * @typedef {Partial<Record<"status" | "reason" | "stage" | "layer", string>>} FrameFilter
+ * @typedef {Partial<Record<"status" | "reason" | "stage" | "layer", string>>
+ *   & Partial<Record<"from_s" | "to_s" | "min_height" | "max_height", number | null>>} FrameFilter
  */
 
 import { refusal, request } from "./api.js";

@@ -198,3 +198,31 @@ def test_progress_is_asked_for_where_events_do_not_come(
     expect(page).to_have_url(re.compile(r"with="))
     expect(page.locator("#head [data-ref=state]")).to_have_text("Done", timeout=SLOW_MS)
     expect(page.locator("#summary")).to_contain_text("4 of 4")
+
+
+def test_the_table_of_frames_is_narrowed_and_leads_to_frames(
+    open_page: Callable[..., Page], flight_path: str
+) -> None:
+    page = open_page(flight_path)
+    table = page.locator("#frames")
+    table.get_by_role("heading", name="Frames").click()
+    rows = table.locator("tbody tr")
+    expect(rows).to_have_count(FRAMES)
+    table.get_by_label("Outcome").select_option("failed")
+    expect(rows).to_have_count(len(BLANK))
+    expect(page).to_have_url(re.compile("frames=status%3Dfailed"))
+    table.get_by_role("button", name="8", exact=True).press("Enter")
+    _at_frame(page, 8)
+    page.keyboard.press("ArrowDown")
+    _at_frame(page, 9)
+    expect(table.locator("tr[data-current=true]")).to_have_text(re.compile(r"^\s*9\b"))
+    page.reload()
+    expect(rows).to_have_count(len(BLANK))
+    expect(table.get_by_label("Outcome")).to_have_value("failed")
+    table.get_by_label("Time from, s").fill("1.0")
+    expect(rows).to_have_count(sum(number >= 10 for number in BLANK))
+    table.get_by_label("Time to, s").fill("0.5")
+    expect(table.get_by_role("alert")).to_contain_text("must be after")
+    table.get_by_role("button", name="All frames").click()
+    expect(rows).to_have_count(FRAMES)
+    expect(table.get_by_role("button", name="Later")).to_be_disabled()

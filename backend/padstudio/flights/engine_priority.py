@@ -1,4 +1,4 @@
-"""Preloaded by worker processes that share the machine with the server, which shall answer first."""
+"""Preloaded by workers that share the machine with the server, which shall answer first."""
 
 from __future__ import annotations
 
