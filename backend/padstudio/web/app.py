@@ -35,6 +35,7 @@ from padstudio.web import (
     printing,
     samples,
     simulate,
+    simulations,
     uploads,
 )
 from padstudio.web.flight_desk import open_desk
@@ -99,6 +100,7 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
             yield
         finally:
             expiry.cancel()
+            await app.state.services.simulations.close()
             await run_in_threadpool(desk.close)
             pool.close()
             store.close()
@@ -116,9 +118,11 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.state.settings = settings
     errors.install(app)
     app.add_middleware(Guard, settings=settings)
-    for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage, simulate):
+    for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage):
         app.include_router(resource.router, prefix=API)
     for resource in (flights, flight_figures, flight_pictures, flight_previews, exports):
+        app.include_router(resource.router, prefix=API)
+    for resource in (simulate, simulations):
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

@@ -58,8 +58,7 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 
 @router.post("", operation_id="createFlight", summary="Analyse uploads", status_code=202)
 def create_flight(new: NewFlight, shared: Shared, response: Response) -> FlightDetail:
-    order = FlightOrder("", new.uploads, "", "", _DEFAULTS)
-    flight = shared.flights.order(_changed(order, new, shared.store))
+    flight = order_flight(new, shared)
     response.headers["Location"] = f"/api/v1/flights/{flight.id}"
     return describe_detail(shared.flights.flights.get(flight.id, texts=True))
 
@@ -199,6 +198,12 @@ def get_flight_telemetry(flight_id: ItemId, shared: Shared) -> TelemetryColumns:
             code="no_telemetry",
         )
     return TelemetryColumns.model_validate(flight.telemetry)
+
+
+def order_flight(new: NewFlight, shared: Services) -> FlightRow:
+    """Queue an analysis; raises as `FlightDesk.order`."""
+    order = FlightOrder("", new.uploads, "", "", _DEFAULTS)
+    return shared.flights.order(_changed(order, new, shared.store))
 
 
 def describe(row: FlightRow) -> Flight:

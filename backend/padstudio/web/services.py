@@ -18,6 +18,7 @@ from padstudio.flights.workers import WorkerPool
 from padstudio.vision import warm
 from padstudio.web.schemas import ErrorBody
 from padstudio.web.settings import Settings
+from padstudio.web.simulation_desk import SimulationDesk
 from padstudio.web.turns import Turns
 
 ResultT = TypeVar("ResultT")
@@ -40,6 +41,7 @@ class Services:
         `padstudio.flights.analysis.analyze`, or what stands in for it.
     turns : Turns
         At uploads.
+    simulations : SimulationDesk
     painting : dict
         Pictures of frames that are being made, by name.
     """
@@ -50,6 +52,7 @@ class Services:
     flights: FlightDesk
     analyze: Analyze
     turns: Turns = field(default_factory=Turns)
+    simulations: SimulationDesk = field(default_factory=SimulationDesk)
     painting: dict[str, asyncio.Future[list[dict[str, Any]]]] = field(default_factory=dict)
 
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:

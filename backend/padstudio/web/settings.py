@@ -100,6 +100,12 @@ class Settings(BaseSettings):
     max_simulated_frames: int = Field(
         100, ge=1, le=20_000, description="Most frames of one map of coverage."
     )
+    simulate_flight_seconds: float = Field(
+        1800, gt=0, le=86_400, description="Time to simulate one flight."
+    )
+    max_flight_frames: int = Field(
+        600, ge=1, le=20_000, description="Most frames of one simulated flight."
+    )
     max_window: int = Field(
         spec.MAX_WINDOW, ge=2, le=spec.MAX_WINDOW, description="Largest window b of a new pad."
     )

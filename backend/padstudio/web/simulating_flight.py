@@ -1,0 +1,117 @@
+"""Simulates a flight in a worker process, into a folder that the server watches."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from padstudio.errors import ConflictError
+from padstudio.geometry import camera_files
+from padstudio.pad import files as pad_files
+from padstudio.simulate import flights, looks, writer
+from padstudio.simulate.camera import check_pose
+from padstudio.simulate.lens import check_lens
+from padstudio.simulate.scene import Scene
+from padstudio.web.simulating import check_pixels
+
+#: In the folder: pictures, truth, pad and camera; the footage alone; frames done; asked to stop.
+ARCHIVE, FOOTAGE, DONE, STOP = "flight.zip", "footage", "done", "stop"
+
+
+def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
+    """Refuse what cannot be simulated, before anything is rendered.
+
+    Raises
+    ------
+    SpecError, LimitError
+        As `padstudio.simulate.flights.plan`, `check_lens` and `check_pose`.
+    """
+    the_camera = camera_files.loads(camera)
+    check_pixels(the_camera, max_pixels)
+    check_lens(the_camera)
+    for pose in _course(spec).poses:
+        check_pose(the_camera, pose)
+    looks.dress(Scene(pad=None, ground=spec["ground"]), spec["look"], seed=spec["seed"])
+
+
+def simulate_flight(
+    spec: Mapping[str, Any], pad: str | None, camera: str, video: bool, folder: Path
+) -> None:
+    """Render a flight.
+
+    Parameters
+    ----------
+    spec : mapping
+        Fields of `padstudio.web.schemas_simulations.SimulationSpec`.
+    pad, camera : str
+        The content of a pad file, None for bare ground, and of a camera file.
+    video : bool
+        One MP4 rather than a zip of stills.
+    folder : Path
+        Takes `ARCHIVE`, `FOOTAGE` and, while frames are rendered, `DONE`.
+
+    Raises
+    ------
+    ConflictError
+        Where `STOP` appears in the folder.
+    SpecError, LimitError
+        As `padstudio.simulate.writer.write_flight`.
+    """
+    scene = Scene(
+        pad=pad_files.loads(pad) if pad is not None else None,
+        quiet_mm=spec["quiet_mm"],
+        ground=spec["ground"],
+        ground_seed=spec["seed"],
+    )
+    dressed, imaging = looks.dress(scene, spec["look"], seed=spec["seed"])
+    written = folder / "flight"
+    writer.write_flight(
+        written,
+        _course(spec),
+        dressed,
+        camera_files.loads(camera),
+        imaging,
+        video=video,
+        codec=spec["codec"],
+        seed=spec["seed"],
+        progress=_reporter(folder),
+    )
+    _pack(written, folder / ARCHIVE, "*")
+    if video:
+        next(written.glob("flights/*.mp4")).replace(folder / FOOTAGE)
+    else:
+        _pack(written / "stills", folder / FOOTAGE, "*.[jp][pn]g")
+    shutil.rmtree(written)
+
+
+def frames_done(folder: Path) -> int:
+    """How many frames a folder's flight has."""
+    try:
+        return int((folder / DONE).read_text() or 0)
+    except FileNotFoundError:
+        return 0
+
+
+def _course(spec: Mapping[str, Any]) -> flights.Flight:
+    names = ("frames", "from_mm", "to_mm", "fps", "seed", "sway")
+    return flights.plan(spec["flight"], **{name: spec[name] for name in names})
+
+
+def _reporter(folder: Path) -> Callable[[int], None]:
+    def report(done: int) -> None:
+        if (folder / STOP).exists():
+            raise ConflictError("the simulation was stopped", code="cancelled")
+        (folder / DONE).write_text(str(done))
+
+    return report
+
+
+def _pack(folder: Path, archive: Path, pattern: str) -> None:
+    # Pictures and videos are compressed as they are.
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as pack:
+        for path in sorted(folder.rglob(pattern)):
+            if path.is_file():
+                pack.write(path, path.relative_to(folder))
