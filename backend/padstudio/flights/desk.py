@@ -14,6 +14,7 @@ from padstudio.flights.chunks import Chunks
 from padstudio.flights.detectors import params_from
 from padstudio.flights.engine import Engine, EngineOptions
 from padstudio.flights.engine_tasks import Task
+from padstudio.flights.figure_rows import FigureRows
 from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.jobs import FlightOrder, Flights
 from padstudio.flights.pictures import Kind, PictureCache, PictureJob, picture_job
@@ -50,6 +51,7 @@ class FlightDesk:
     flights : Flights
     results : Results
     summaries : Summaries
+    charts : FigureRows
     pictures : PictureCache
     """
 
@@ -68,6 +70,7 @@ class FlightDesk:
     ) -> None:
         self.flights = Flights(session, max_open)
         self.results, self.summaries = Results(session), Summaries(session)
+        self.charts = FigureRows(session)
         self.limits = limits
         self._uploads, self._storage = uploads, storage
         self._engine = Engine(engine)

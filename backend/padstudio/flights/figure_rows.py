@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.figures import choose_samples, compare_heights
 from padstudio.flights.flight_tables import FlightRow, FrameDetailRow, FrameRow
+from padstudio.flights.kept_answers import KeptAnswers
 from padstudio.flights.result_rows import rotation_of
 from padstudio.flights.telemetry import height_at
 
@@ -20,7 +21,7 @@ OUTCOMES = ("red", "green", "blue", "outline", "failed")
 
 
 class FigureRows:
-    """The frames of a database's flights, for charts.
+    """The frames of a database's flights, for charts; the last answers are kept.
 
     Parameters
     ----------
@@ -29,6 +30,7 @@ class FigureRows:
 
     def __init__(self, session: sessionmaker[Session]) -> None:
         self._session = session
+        self._kept = KeptAnswers()
 
     def timeline(
         self, flight: FlightRow, columns: int, first: int | None = None, last: int | None = None
@@ -51,39 +53,12 @@ class FigureRows:
             ``z_min_mm``, ``z_max_mm`` (None without a pose), ``outcomes`` (frames, as
             `OUTCOMES`), ``stages`` (failing stage: frames). Columns without frames are left out.
         """
-        with self._session() as session:
-            ends = _ends(session, flight.key)
-            if ends is None:
-                return {"first_frame": 0, "last_frame": 0, "frames_per_column": 1, "columns": []}
-            start = ends[0] if first is None else first
-            stop = max(start, ends[1] if last is None else last)
-            width = -(-(stop - start + 1) // columns)
-            # Whole strides, lest every other column be empty.
-            stride = int(flight.request.get("stride", 1))
-            width = -(-width // stride) * stride
-            column = ((FrameRow.number - start) // width).label("column")
-            rows = session.execute(
-                select(
-                    column,
-                    FrameRow.layer,
-                    FrameRow.stage,
-                    func.count(),
-                    func.min(FrameRow.number),
-                    func.max(FrameRow.number),
-                    func.min(FrameRow.time_s),
-                    func.min(FrameRow.z_mm),
-                    func.max(FrameRow.z_mm),
-                )
-                .where(FrameRow.flight == flight.key, FrameRow.number.between(start, stop))
-                .group_by(column, FrameRow.layer, FrameRow.stage)
-                .order_by(column)
-            ).all()
-        return {
-            "first_frame": start,
-            "last_frame": stop,
-            "frames_per_column": width,
-            "columns": _merged(rows),
-        }
+
+        def find_out() -> dict[str, Any]:
+            with self._session() as session:
+                return _timeline(session, flight, columns, first, last)
+
+        return self._kept.of(flight, ("timeline", columns, first, last), find_out)
 
     def figures(self, flight: FlightRow, points: int = 2000, samples: int = 24) -> dict[str, Any]:
         """What the charts of a flight show, JSON-serialisable.
@@ -106,14 +81,52 @@ class FigureRows:
             looks. ``heights``: None without telemetry of heights, else ``telemetry_m``,
             ``pose_mm``, ``frame`` and ``fit`` (`HeightComparison`, or None).
         """
-        with self._session() as session:
-            trajectory = _trajectory(session, flight, points)
-            chosen = _samples(session, flight, samples)
-        return {
-            "trajectory": trajectory,
-            "samples": chosen,
-            "heights": _heights(flight, trajectory),
-        }
+
+        def find_out() -> dict[str, Any]:
+            with self._session() as session:
+                trajectory = _trajectory(session, flight, points)
+                chosen = _samples(session, flight, samples)
+            heights = _heights(flight, trajectory)
+            return {"trajectory": trajectory, "samples": chosen, "heights": heights}
+
+        return self._kept.of(flight, ("figures", points, samples), find_out)
+
+
+def _timeline(
+    session: Session, flight: FlightRow, columns: int, first: int | None, last: int | None
+) -> dict[str, Any]:
+    ends = _ends(session, flight.key)
+    if ends is None:
+        return {"first_frame": 0, "last_frame": 0, "frames_per_column": 1, "columns": []}
+    start = ends[0] if first is None else first
+    stop = max(start, ends[1] if last is None else last)
+    width = -(-(stop - start + 1) // columns)
+    # Whole strides, lest every other column be empty.
+    stride = int(flight.request.get("stride", 1))
+    width = -(-width // stride) * stride
+    column = ((FrameRow.number - start) // width).label("column")
+    rows = session.execute(
+        select(
+            column,
+            FrameRow.layer,
+            FrameRow.stage,
+            func.count(),
+            func.min(FrameRow.number),
+            func.max(FrameRow.number),
+            func.min(FrameRow.time_s),
+            func.min(FrameRow.z_mm),
+            func.max(FrameRow.z_mm),
+        )
+        .where(FrameRow.flight == flight.key, FrameRow.number.between(start, stop))
+        .group_by(column, FrameRow.layer, FrameRow.stage)
+        .order_by(column)
+    ).all()
+    return {
+        "first_frame": start,
+        "last_frame": stop,
+        "frames_per_column": width,
+        "columns": _merged(rows),
+    }
 
 
 def _ends(session: Session, flight: int) -> tuple[int, int] | None:

@@ -8,9 +8,7 @@ from sqlalchemy import case, func, select
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.flight_tables import FlightRow, FrameRow
-
-# Those of many frames take a second; they change only with what they are of.
-_KEPT = 100
+from padstudio.flights.kept_answers import KeptAnswers
 
 
 class Summaries:
@@ -23,7 +21,7 @@ class Summaries:
 
     def __init__(self, session: sessionmaker[Session]) -> None:
         self._session = session
-        self._kept: dict[tuple[int, str, int, int], dict[str, Any]] = {}
+        self._kept = KeptAnswers()
 
     def of(self, flight: FlightRow, points: int = 2000) -> dict[str, Any]:
         """Figures over all frames that have a result, JSON-serialisable.
@@ -42,13 +40,12 @@ class Summaries:
             (counts, highest first); ``timeline`` (ok and failed frames of each second);
             ``heights`` (frame, time, height).
         """
-        state = (flight.key, flight.state, flight.frames_done, points)
-        if state not in self._kept:
-            if len(self._kept) >= _KEPT:
-                self._kept.clear()
+
+        def find_out() -> dict[str, Any]:
             with self._session() as session:
-                self._kept[state] = _summary(session, flight, points)
-        return self._kept[state]
+                return _summary(session, flight, points)
+
+        return self._kept.of(flight, points, find_out)
 
 
 def _summary(session: Session, flight: FlightRow, points: int) -> dict[str, Any]:

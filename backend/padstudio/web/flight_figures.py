@@ -7,7 +7,6 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.flights.figure_rows import FigureRows
 from padstudio.web.services import ERRORS, ItemId, Shared
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
@@ -122,8 +121,7 @@ def get_flight_timeline(
     last_frame: FrameQuery = None,
 ) -> FlightTimeline:
     flight = shared.flights.flights.get(flight_id)
-    rows = FigureRows(shared.store.session)
-    found = rows.timeline(flight, columns, first_frame, last_frame)
+    found = shared.flights.charts.timeline(flight, columns, first_frame, last_frame)
     return FlightTimeline.model_validate(found)
 
 
@@ -139,5 +137,5 @@ def get_flight_figures(
     samples: Annotated[int, Query(ge=1, le=200, description="Most poses in space.")] = 16,
 ) -> FlightFigures:
     flight = shared.flights.flights.get(flight_id, texts=True)
-    found = FigureRows(shared.store.session).figures(flight, points, samples)
+    found = shared.flights.charts.figures(flight, points, samples)
     return FlightFigures.model_validate(found)
