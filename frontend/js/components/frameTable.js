@@ -27,6 +27,8 @@ export function mountFrameTable(root, { onFilter, onTurn, onSeek }) {
   const any = find("reason").options[0];
   let typing = 0;
   let reasons = "";
+  /** @type {number | null} */
+  let followed = null;
   const rows = keyedRows(find("rows"), /** @type {HTMLTemplateElement} */ (root.querySelector("template")), {
     make: (part, key) => part("frame").addEventListener("click", () => onSeek(Number(key))),
     fill: (part, element, { row }) => {
@@ -88,6 +90,16 @@ export function mountFrameTable(root, { onFilter, onTurn, onSeek }) {
     }
   }
 
+  /** Scrolls the table, and never the page. */
+  function showCurrent() {
+    const row = find("rows").querySelector("[data-current=true]");
+    if (!row) return;
+    const area = find("table");
+    const head = area.querySelector("thead").offsetHeight;
+    area.scrollTop = Math.min(area.scrollTop, row.offsetTop - head);
+    area.scrollTop = Math.max(area.scrollTop, row.offsetTop + row.offsetHeight - area.clientHeight);
+  }
+
   /** @param {{reason: string, text: string}[]} list @param {Filter | null} filter */
   function fillReasons(list, filter) {
     const key = JSON.stringify(list);
@@ -114,6 +126,10 @@ export function mountFrameTable(root, { onFilter, onTurn, onSeek }) {
       find("table").hidden = !items.length;
       find("earlier").disabled = !page?.earlier;
       find("later").disabled = !page?.later;
+      if (frame !== followed && items.some((record) => record.frame === frame)) {
+        followed = frame;
+        showCurrent();
+      }
       const last = items[items.length - 1];
       find("shown").textContent = last ? `frames ${items[0].frame} to ${last.frame}` : "";
     },
