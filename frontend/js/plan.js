@@ -21,6 +21,8 @@
  * @property {import("./components/filmStrip.js").Shot[]} shots
  * @property {number} chosen  the shot that is large
  * @property {string} frameProgress
+ * @property {Texts} fly  the form of a whole flight
+ * @property {import("./flyLogic.js").Simulation | null} flyJob
  * @property {{name: string, note: string}[]} looks
  * @property {string[]} grounds
  * @property {import("./components/status.js").Status} status
@@ -30,6 +32,8 @@ import { readAddress, writeAddress } from "./address.js";
 import * as api from "./api.js";
 import { makeAsker } from "./asker.js";
 import { ofMethod, TILTS_DEG } from "./coverageLogic.js";
+import { makeFlightSimulator } from "./flightSimulator.js";
+import { DEFAULT_FLY, isFlying, parseFly } from "./flyLogic.js";
 import { framesFromQuery, framesToQuery, parseFrames } from "./frameLogic.js";
 import { makeIntake } from "./intake.js";
 import * as planApi from "./planApi.js";
@@ -58,6 +62,8 @@ const state = {
   shots: [],
   chosen: 0,
   frameProgress: "",
+  fly: fromQuery(address, DEFAULT_FLY, "fly-"),
+  flyJob: null,
   looks: [],
   grounds: [],
   status: null,
@@ -81,6 +87,9 @@ const view = makePlanView({
   },
   onAim: aim,
   onShot: (chosen) => set({ chosen }),
+  onFly: (fly) => set({ fly }),
+  onFlyStart: () => startFlight(),
+  onFlyStop: () => void flightSimulator.stop(),
 });
 const intake = makeIntake({
   known: () => state,
@@ -97,6 +106,7 @@ const advisor = makeAsker((/** @type {State["advice"]} */ advice, adviceFault) =
 });
 const frames = makeSimulator();
 const maps = makeSimulator();
+const flightSimulator = makeFlightSimulator({ onJob: (flyJob) => set({ flyJob }), onFault: fail });
 let addressTimer = 0;
 
 /** @param {Partial<State>} change */
@@ -132,6 +142,7 @@ function writeState() {
     ...toQuery(state.wish, DEFAULT_WISH, ""),
     ...toQuery(state.mapTexts, DEFAULT_MAP, "map-"),
     ...framesToQuery(state.frame),
+    ...toQuery(state.fly, DEFAULT_FLY, "fly-"),
   });
 }
 
@@ -167,6 +178,14 @@ async function takeFrames() {
     set({ shots: state.shots.filter((shot) => shot.url), frameProgress: "" });
     fail(error);
   }
+}
+
+function startFlight() {
+  const { spec } = parseFly(state.fly);
+  const { pad, camera, method } = state;
+  if (!spec || !pad || !camera || isFlying(state.flyJob)) return;
+  set({ status: null });
+  void flightSimulator.start({ ...spec, pad, camera, analyze: method });
 }
 
 async function makeMap() {

@@ -138,5 +138,19 @@ export const getAdvice = (wish, signal) =>
 export const simulateFrame = (spec, signal) =>
   request("POST", "/simulate", { json: spec, signal });
 
+/** @param {Record<string, unknown>} spec @returns {Promise<import("./flyLogic.js").Simulation>} */
+export const simulateFlight = (spec) => request("POST", "/simulations", { json: spec });
+
+const simulationPath = (/** @type {string} */ id) => `/simulations/${encodeURIComponent(id)}`;
+
+/** @param {string} id @returns {Promise<import("./flyLogic.js").Simulation>} */
+export const getSimulation = (id) => request("GET", simulationPath(id));
+
+/** @param {string} id @returns {Promise<null>} */
+export const deleteSimulation = (id) => request("DELETE", simulationPath(id));
+
+/** @param {string} id @returns {string} address of pictures and truth */
+export const simulationFileUrl = (id) => `/api/v1${simulationPath(id)}/files/flight.zip`;
+
 /** @returns {Promise<{items: {name: string, note: string}[], grounds: string[]}>} */
 export const listLooks = () => request("GET", "/simulate/looks");

@@ -19,6 +19,9 @@
  * @property {(place: {tiltDeg: number, heightMm: number}) => void} onPlace
  * @property {(place: {tiltDeg: number, heightMm: number}) => void} onAim
  * @property {(chosen: number) => void} onShot
+ * @property {(texts: Texts) => void} onFly
+ * @property {() => void} onFlyStart
+ * @property {() => void} onFlyStop
  */
 
 import { mountChoice } from "./components/choice.js";
@@ -30,7 +33,9 @@ import { mountSuccessMap } from "./components/successMap.js";
 import { mountTextForm } from "./components/textForm.js";
 import { deadBandInWords, heightFacts, ofMethod } from "./coverageLogic.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "./diagnoseLogic.js";
+import { flyInWords, isFlown, isFlying, parseFly } from "./flyLogic.js";
 import { diagnoseLink, isAsked, parseFrames } from "./frameLogic.js";
+import { simulationFileUrl } from "./planApi.js";
 import { adviceFacts, designLink, dotsOf, parseMap, parseWish } from "./planLogic.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -49,11 +54,13 @@ export function makePlanView(events) {
   const map = mountSuccessMap(byId("map"));
   const frameForm = mountTextForm(byId("frame-form"), { onInput: events.onFrame, onSubmit: events.onTake });
   const film = mountFilmStrip(byId("film"), { onChoose: events.onShot });
+  const flyForm = mountTextForm(byId("fly-form"), { onInput: events.onFly, onSubmit: events.onFlyStart });
   const status = mountStatus(byId("status"));
   byId("method").addEventListener("change", (/** @type {Event} */ event) => {
     events.onMethod(/** @type {HTMLInputElement} */ (event.target).value);
   });
   byId("map-stop").addEventListener("click", events.onMapStop);
+  byId("fly-stop").addEventListener("click", events.onFlyStop);
 
   /** @param {State} state */
   function updateSetup(state) {
@@ -121,6 +128,24 @@ export function makePlanView(events) {
     film.update({ shots, chosen });
   }
 
+  /** @param {State} state */
+  function updateFlight({ fly, flyJob, looks, grounds, pad, camera }) {
+    fill(byId("fly-look"), looks.map(({ name, note }) => [name, `${name}: ${note}`]));
+    fill(byId("fly-ground"), grounds.map((ground) => [ground, ground]));
+    flyForm.update({ texts: fly, errors: parseFly(fly).errors });
+    for (const field of byId("fly-form").querySelectorAll("[data-field]")) {
+      field.hidden = !isFlown(field.dataset.field, fly.flight);
+    }
+    byId("fly-start").disabled = !pad || !camera || isFlying(flyJob);
+    byId("fly-stop").hidden = !isFlying(flyJob);
+    byId("fly-progress").textContent = flyInWords(flyJob);
+    const isDone = flyJob?.state === "done";
+    byId("fly-open").hidden = byId("fly-files").hidden = !isDone;
+    if (!isDone) return;
+    byId("fly-open").href = `/flights/${flyJob.flight}`;
+    byId("fly-files").href = simulationFileUrl(flyJob.id);
+  }
+
   return {
     /** @param {State} state */
     update(state) {
@@ -128,6 +153,7 @@ export function makePlanView(events) {
       updateAdvice(state);
       updateCoverage(state);
       updateFrames(state);
+      updateFlight(state);
     },
   };
 }

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+import zipfile
 from collections.abc import Callable
 
 import pytest
 from browser_support import CAMERA_FILE, PAD_FILE, Complaints
 from playwright.sync_api import Page, Route, expect
+
+from padstudio.pad.coverage import METHOD_LIMITS
 
 
 @pytest.fixture
@@ -27,8 +30,10 @@ def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
     expect(chart.locator(".area")).to_have_count(2)
     expect(chart.locator(".outline")).to_have_count(2)
     expect(chart.locator(".dead-band")).to_have_count(0)
-    # 5 cells of 10 mm across 765 px at f = 943 px.
-    expect(plan.locator("#chart-facts")).to_contain_text(re.compile(r"Red layer\s*61\.6 mm"))
+    # So many cells of 10 mm across 765 px at f = 943 px.
+    low = (METHOD_LIMITS["dense"].cells_across or 5) * 10 * 943 / 765
+    shown = re.compile(rf"Red layer\s*{low:.1f} mm")
+    expect(plan.locator("#chart-facts")).to_contain_text(shown)
     plan.get_by_role("radio", name="Paper").check(force=True)
     expect(chart.locator(".dead-band")).to_have_count(1)
     expect(plan.locator("#dead-band")).to_contain_text("no layer reads")
@@ -131,6 +136,42 @@ def test_a_map_fills_row_by_row(plan: Page) -> None:
     assert rows.locator("td:nth-child(2)").all_inner_texts() == shares
     expect(plan.locator("#chart .dot-none")).to_have_count(5 * shares.count("0 %"))
     expect(plan.locator("#chart .dot-all")).to_have_count(5 * shares.count("100 %"))
+
+
+def test_a_whole_flight_goes_straight_into_an_analysis(plan: Page) -> None:
+    form = plan.locator("#fly-form")
+    form.get_by_label("Frames", exact=True).fill("0")
+    expect(form).to_contain_text("from 1 to 600, whole")
+    form.get_by_label("Frames", exact=True).fill("3")
+    form.get_by_label("Starts at").fill("900")
+    form.get_by_label("Ends at").fill("500")
+    form.get_by_role("button", name="Fly and analyse").click()
+    expect(form.get_by_role("status")).to_have_text("3 frames are done.")
+    expect(plan).to_have_url(re.compile("fly-frames=3&fly-from_mm=900"))
+    with plan.expect_download() as download:
+        form.get_by_role("link", name="Download with truth").click()
+    with zipfile.ZipFile(download.value.path()) as pack:
+        # A camera of 1360 x 765 makes no video, whose size must be even.
+        assert {"stills/landing_2.jpg", "stills/truth.json"} <= set(pack.namelist())
+    form.get_by_role("link", name="Open the flight").click()
+    expect(plan.get_by_role("heading", level=1)).to_contain_text("simulated landing, clear")
+    expect(plan.locator("main")).to_contain_text(re.compile("3 of 3|3 frames"))
+
+
+def test_a_flight_is_stopped_or_refused_in_words(plan: Page, complaints: Complaints) -> None:
+    form = plan.locator("#fly-form")
+    form.get_by_label("Flight", exact=True).select_option("gusty")
+    form.get_by_label("Frames", exact=True).fill("400")
+    form.get_by_role("button", name="Fly and analyse").click()
+    form.get_by_role("button", name="Stop").click()
+    expect(form.get_by_role("status")).to_have_text("Stopped.")
+    form.get_by_label("Flight", exact=True).select_option("tilts")
+    expect(form.get_by_label("Ends at")).to_be_hidden()
+    complaints.expected = {413}
+    error = {"code": "too_many_frames", "message": "at most 50 frames at once", "detail": {}}
+    plan.route("**/simulations", lambda route: route.fulfill(status=413, json={"error": error}))
+    form.get_by_role("button", name="Fly and analyse").click()
+    expect(plan.locator("#status")).to_have_text("At most 50 frames at once.")
 
 
 def test_what_cannot_be_is_marked_or_explained(plan: Page, complaints: Complaints) -> None:

@@ -160,7 +160,9 @@ def test_what_only_shows_on_the_way_is_told_by_the_job(
     # Video has colours of half the resolution.
     odd = SMALL_CAMERA.replace("image_width: 480", "image_width: 481")
     camera = server.post("/api/v1/cameras", files={"file": ("odd.yaml", odd)}).json()["id"]
-    job = server.post(ADDRESS, json=scene | {"camera": camera, "frames": 1}).json()["id"]
+    spec = scene | {"camera": camera, "frames": 1}
+    assert not _done(server, spec)["video"]
+    job = server.post(ADDRESS, json=spec | {"stills": False}).json()["id"]
     wait_until(lambda: server.get(f"{ADDRESS}/{job}").json()["state"] == "failed")
     assert server.get(f"{ADDRESS}/{job}").json()["error"]["code"] == "odd_video_size"
 

@@ -61,7 +61,11 @@ class SimulationSpec(BaseModel):
     quiet_mm: float | None = Field(
         None, ge=0, le=10_000, description="White margin; null takes the pad's own."
     )
-    stills: bool = Field(False, description="Stills where a video is usual.")
+    stills: bool | None = Field(
+        None,
+        description="Stills where a video is usual; null: only where the camera's size is odd, "
+        "which no video can be.",
+    )
     codec: Codec = "h264"
     seed: int = Field(1, ge=0, le=2**31)
     name: str | None = Field(None, min_length=1, max_length=200)

@@ -11,6 +11,8 @@ from fastapi.responses import FileResponse
 from padstudio.errors import ConflictError, LimitError, SpecError
 from padstudio.flights.store_files import remove
 from padstudio.flights.upload_local import upload_file
+from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.simulate.flights import VIDEO_KINDS
 from padstudio.web import simulating_flight
 from padstudio.web.cameras import camera_text
@@ -44,7 +46,7 @@ async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Respon
     job = SimulationJob(
         name=spec.name or f"simulated {spec.flight}, {spec.look}",
         frames_total=spec.frames,
-        video=spec.flight in VIDEO_KINDS and not spec.stills,
+        video=_is_video(spec, camera_files.loads(camera)),
         folder=await run_in_threadpool(store.folder.work_folder),
     )
 
@@ -116,6 +118,12 @@ def _checked(spec: SimulationSpec, shared: Services) -> tuple[str | None, str]:
     camera = camera_text(store, spec.camera)
     simulating_flight.check_flight(spec.model_dump(), camera, settings.max_simulated_pixels)
     return pad, camera
+
+
+def _is_video(spec: SimulationSpec, camera: Camera) -> bool:
+    odd = camera.width % 2 or camera.height % 2
+    stills = bool(odd) if spec.stills is None else spec.stills
+    return spec.flight in VIDEO_KINDS and not stills
 
 
 def _hand_over(job: SimulationJob, spec: SimulationSpec, shared: Services) -> None:
