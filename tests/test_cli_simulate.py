@@ -67,6 +67,7 @@ def test_simulate_refuses_in_one_line(files, options, code):
     assert result.exit_code == 2
     assert result.stderr.endswith(f"({code})\n")
     assert result.stderr.count("\n") == 1
+    assert not (files / "out").exists()
 
 
 def test_simulate_does_not_write_into_a_folder_that_is_there(files):

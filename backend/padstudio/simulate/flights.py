@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.simulate.camera import Frame, render
+from padstudio.simulate.camera import Frame, check_pose, render
 from padstudio.simulate.imaging import Imaging
+from padstudio.simulate.lens import check_lens
 from padstudio.simulate.motion import Motion
 from padstudio.simulate.scene import Scene
 
@@ -127,6 +128,13 @@ def plan(
         motions=tuple(motion_along(path, float(t)) for t in times),
         groups=("flight",) * frames,
     )
+
+
+def check_flight(flight: Flight, camera: Camera) -> None:
+    """Refuse what cannot be rendered before anything is; raises as `render`."""
+    check_lens(camera)
+    for pose in flight.poses:
+        check_pose(camera, pose)
 
 
 def wandering_path(

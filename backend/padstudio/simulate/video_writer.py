@@ -19,6 +19,20 @@ Codec = Literal["h264", "h265"]
 _ENCODERS = {"h264": "libx264", "h265": "libx265"}
 
 
+def check_size(width: int, height: int) -> None:
+    """Refuse a size that no video of 4:2:0 colour can have.
+
+    Raises
+    ------
+    SpecError
+    """
+    if width % 2 or height % 2:
+        raise SpecError(
+            f"a video of 4:2:0 colour needs an even size, not {width} x {height}; write stills",
+            code="odd_video_size",
+        )
+
+
 class VideoWriter:
     """Writes an MP4 with 4:2:0 colour; use it as a context manager.
 
@@ -54,11 +68,7 @@ class VideoWriter:
         import av
         from av.video.stream import VideoStream
 
-        if width % 2 or height % 2:
-            raise SpecError(
-                f"a video of 4:2:0 colour needs an even size, not {width} x {height}; write stills",
-                code="odd_video_size",
-            )
+        check_size(width, height)
         if codec not in _ENCODERS:
             raise SpecError(f"no codec {codec!r}; use {' or '.join(_ENCODERS)}")
         if not 0 <= quality <= 51:

@@ -11,10 +11,10 @@ import cv2
 
 from padstudio.geometry.camera import Camera
 from padstudio.simulate.camera import Frame
-from padstudio.simulate.flights import Flight
+from padstudio.simulate.flights import Flight, check_flight
 from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.scene import Scene
-from padstudio.simulate.video_writer import Codec, VideoWriter
+from padstudio.simulate.video_writer import Codec, VideoWriter, check_size
 
 CAMERA_FILE = "camera.yaml"
 PAD_FILE = "pad.json"
@@ -63,6 +63,9 @@ def write_flight(
     SpecError, LimitError
         As `padstudio.simulate.camera.render` and `VideoWriter`.
     """
+    check_flight(flight, camera)
+    if video:
+        check_size(camera.width, camera.height)
     folder.mkdir(parents=True, exist_ok=True)
     camera.save(folder / CAMERA_FILE)
     if scene.pad is not None:

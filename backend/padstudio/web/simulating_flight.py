@@ -12,8 +12,6 @@ from padstudio.errors import ConflictError
 from padstudio.geometry import camera_files
 from padstudio.pad import files as pad_files
 from padstudio.simulate import flights, looks, writer
-from padstudio.simulate.camera import check_pose
-from padstudio.simulate.lens import check_lens
 from padstudio.simulate.scene import Scene
 from padstudio.web.simulating import check_pixels
 
@@ -27,13 +25,11 @@ def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
     Raises
     ------
     SpecError, LimitError
-        As `padstudio.simulate.flights.plan`, `check_lens` and `check_pose`.
+        As `padstudio.simulate.flights.plan` and `check_flight`.
     """
     the_camera = camera_files.loads(camera)
     check_pixels(the_camera, max_pixels)
-    check_lens(the_camera)
-    for pose in _course(spec).poses:
-        check_pose(the_camera, pose)
+    flights.check_flight(_course(spec), the_camera)
     looks.dress(Scene(pad=None, ground=spec["ground"]), spec["look"], seed=spec["seed"])
 
 
