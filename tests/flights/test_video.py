@@ -194,6 +194,26 @@ def test_limits_on_pixels_and_frames(long_video: Path) -> None:
     assert index.info.frames == 200
 
 
+@pytest.mark.parametrize("side", [9000, 16384])
+def test_frames_that_no_memory_holds_are_refused_by_their_size(side: int, tmp_path: Path) -> None:
+    size = {"size": (1280, 720), "codec": "mjpeg", "pixel_format": "yuvj420p"}
+    path = videos.write(tmp_path / "a.mkv", 2, **size)
+    data, much = path.read_bytes(), side.to_bytes(2, "big")
+    # Matroska's PixelWidth and PixelHeight, then both in the header of each JPEG.
+    for place, value in (
+        ("b0820500", much),
+        ("ba8202d0", much),
+        ("ffc0001108" + "02d00500", 2 * much),
+    ):
+        old = bytes.fromhex(place)
+        assert old in data
+        data = data.replace(old, old[: -len(value)] + value)
+    path.write_bytes(data)
+    with pytest.raises(LimitError, match=f"{side} x {side}") as caught:
+        read_index(str(path))
+    assert caught.value.error_code == "too_many_pixels"
+
+
 def test_cover_pictures_do_not_count(tmp_path: Path) -> None:
     path = tmp_path / "cover.mp4"
     with av.open(str(path), "w") as container:

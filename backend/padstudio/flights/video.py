@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterator
 from typing import IO, TYPE_CHECKING
 
@@ -36,8 +37,7 @@ def open_container(source: str, max_pixels: int = MAX_PIXELS) -> Iterator[InputC
 
     with contextlib.ExitStack() as stack:
         file: str | IO[bytes] = stack.enter_context(open_source(source))
-        # The reader decodes a frame to learn what is in a file, hence the limit here too.
-        options = {"format_whitelist": _FORMATS, "max_pixels": str(max_pixels)}
+        options = _options(max_pixels)
         if isinstance(file, str):
             options["protocol_whitelist"] = "file"
         try:
@@ -65,13 +65,17 @@ def main_stream(container: InputContainer, max_pixels: int = MAX_PIXELS) -> Vide
         )
     stream = max(streams, key=lambda s: s.codec_context.width * s.codec_context.height)
     context = stream.codec_context
-    if context.width * context.height > max_pixels:
+    size = (context.width, context.height)
+    if not all(size):
+        # The reader tells no size that it does not take.
+        size = _refused_size(container.name, max_pixels) or size
+    if size[0] * size[1] > max_pixels:
         raise LimitError(
-            f"the video's frames are {context.width} x {context.height}, more than "
+            f"the video's frames are {size[0]} x {size[1]}, more than "
             f"{max_pixels / 1e6:g} megapixels; scale it down, or raise the limit in the settings",
             code="too_many_pixels",
         )
-    if not context.width or not context.height:
+    if not all(size):
         raise VideoError(
             "the video's frames have no size: its first frames are missing or cannot be decoded; "
             "copy the file from the camera again",
@@ -125,6 +129,30 @@ def read_subtitles(source: str) -> Iterator[tuple[float, str]]:
                     # 3GPP TS 26.245: the text's length, the text, then its style.
                     data = data[2 : 2 + int.from_bytes(data[:2], "big")]
                 yield float(packet.pts * (stream.time_base or 0)), data.decode("utf-8", "replace")
+
+
+def _options(max_pixels: int) -> dict[str, str]:
+    # The reader decodes a frame to learn what is in a file, hence the limit here too.
+    return {"format_whitelist": _FORMATS, "max_pixels": str(max_pixels)}
+
+
+def _refused_size(path: str, max_pixels: int) -> tuple[int, int] | None:
+    """The size of frame at which the reader stopped; it is told only in the reader's log."""
+    import av
+    import av.logging
+
+    level = av.logging.get_level()
+    av.logging.set_level(av.logging.ERROR)
+    try:
+        with av.logging.Capture() as messages, contextlib.suppress(av.error.FFmpegError, OSError):
+            av.open(path, options=_options(max_pixels)).close()
+    finally:
+        av.logging.set_level(level)
+    for _, _, text in messages:
+        found = re.match(r"Picture size (\d+)x(\d+) ", text)
+        if found:
+            return int(found[1]), int(found[2])
+    return None
 
 
 def _is_cover(stream: VideoStream) -> bool:
