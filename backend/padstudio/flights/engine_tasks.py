@@ -61,6 +61,8 @@ def configure() -> None:
             "distributed.worker.memory.target": False,
             "distributed.worker.memory.spill": False,
             "distributed.worker.memory.pause": False,
+            # Stacks sampled a hundred times a second, and kept for an hour.
+            "distributed.worker.profile.enabled": False,
             "distributed.admin.large-graph-warning-threshold": "1GB",
             # Large frames come and go; giving their memory back each time costs a sixth.
             "distributed.nanny.pre-spawn-environ": {

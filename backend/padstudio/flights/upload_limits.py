@@ -70,7 +70,7 @@ def check_size(size_bytes: int, limits: UploadLimits) -> None:
         content.identify(b"")
     if size_bytes > limits.file_bytes:
         raise LimitError(
-            f"the file has {size_bytes / 1e9:.1f} GB; the limit is {limits.file_bytes / 1e9:g} GB: "
+            f"the file has {_size(size_bytes)}; the limit is {_size(limits.file_bytes)}: "
             "cut the video, or send it in parts",
             detail={"max_bytes": limits.file_bytes},
         )
@@ -108,15 +108,20 @@ def check_room(
     taken = kept_bytes + sum(upload.size_bytes for upload in unfinished)
     if taken + size_bytes > limits.total_bytes:
         raise StorageError(
-            f"uploads take {taken / 1e9:.1f} GB of the {limits.total_bytes / 1e9:g} GB that they "
-            f"may, and this one has {size_bytes / 1e9:.1f} GB; remove some",
+            f"uploads take {_size(taken)} of the {_size(limits.total_bytes)} that they may, and "
+            f"this one has {_size(size_bytes)}; remove some",
             code="quota_exceeded",
         )
     # What the others still have to send is as good as taken.
     coming = sum(upload.size_bytes - upload.offset for upload in unfinished)
     if size_bytes + coming > free_bytes:
         raise StorageError(
-            f"the disk has {max(0, free_bytes - coming) / 1e9:.1f} GB of room, and this upload has "
-            f"{size_bytes / 1e9:.1f} GB; make room and try again",
+            f"the disk has {_size(max(0, free_bytes - coming))} of room, and this upload has "
+            f"{_size(size_bytes)}; make room and try again",
             code="disk_full",
         )
+
+
+def _size(count: int) -> str:
+    """Bytes, as people read them."""
+    return f"{count / 1e9:.4g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
