@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Annotated, Any, Literal
+from typing import IO, TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -23,6 +23,9 @@ from padstudio.cli_support import (
     progress_bar,
     show_error,
 )
+
+if TYPE_CHECKING:
+    from padstudio.flights.detectors import Recipe
 
 Figures = dict[str, Any]
 
@@ -38,6 +41,34 @@ _EXAMPLES = (
 )
 
 
+Frames = Annotated[
+    list[str], typer.Argument(help="Pictures, videos, folders, or patterns such as **/*.jpg.")
+]
+PadFile = Annotated[Path, typer.Option(help="Pad file.")]
+CameraName = Annotated[
+    str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
+]
+Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
+MethodName = Annotated[
+    Literal["dense", "paper"],
+    typer.Option(help="dense: all that is in the picture; paper: the published method."),
+]
+Unmix = Annotated[
+    bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
+]
+Jobs = Annotated[
+    int,
+    typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
+]
+Stride = Annotated[int, typer.Option(min=1, help="Read every n-th frame of videos.")]
+Rotation = Annotated[bool, typer.Option(help="Turn videos as their rotation flag says.")]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on with an existing file: read what it lacks.")
+]
+Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")]
+
+
 def register(app: typer.Typer) -> None:
     """Add the commands to the program."""
     app.command(epilog=_EXAMPLES)(detect)
@@ -45,37 +76,18 @@ def register(app: typer.Typer) -> None:
 
 
 def detect(
-    frames: Annotated[
-        list[str],
-        typer.Argument(help="Pictures, videos, folders, or patterns such as **/*.jpg."),
-    ],
-    pad: Annotated[Path, typer.Option(help="Pad file.")],
-    camera: Annotated[
-        str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
-    ],
-    output: Annotated[
-        str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")
-    ] = "-",
-    method: Annotated[
-        Literal["dense", "paper"],
-        typer.Option(help="dense: all that is in the picture; paper: the published method."),
-    ] = "dense",
-    unmix: Annotated[
-        bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
-    ] = True,
-    jobs: Annotated[
-        int,
-        typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
-    ] = 0,
-    stride: Annotated[int, typer.Option(min=1, help="Read every n-th frame of videos.")] = 1,
-    apply_rotation: Annotated[
-        bool, typer.Option(help="Turn videos as their rotation flag says.")
-    ] = True,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with an existing file: read what it lacks.")
-    ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")] = False,
+    frames: Frames,
+    pad: PadFile,
+    camera: CameraName,
+    output: Output = "-",
+    method: MethodName = "dense",
+    unmix: Unmix = True,
+    jobs: Jobs = 0,
+    stride: Stride = 1,
+    apply_rotation: Rotation = True,
+    resume: Resume = False,
+    force: Force = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the pad in frames and write their poses, one JSON object a line.
 
@@ -86,24 +98,13 @@ def detect(
     The exit code is 0 if at least one frame gave a pose, 1 if none did, 2 for wrong input.
     """
     from padstudio.flights import batch
-    from padstudio.flights.detectors import Recipe
     from padstudio.flights.sources import find_frames
-    from padstudio.geometry import camera_files
-    from padstudio.pad import files as pad_files
 
     if not os.environ.get("PADSTUDIO_DEBUG"):
         # A defect is one line like other errors; its traceback is for who looks for it.
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
-    the_camera = load_camera(camera)
-    recipe = Recipe(
-        pad_files.dumps(load_pad(pad)),
-        camera_files.to_ros_yaml(the_camera),
-        method,
-        json.dumps({"prepare": {"unmix": unmix}}),
-    )
+    recipe = _recipe(pad, camera, method, unmix)
     paths = find_frames(frames)
-    if the_camera.nominal:
-        note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
     with _writer(output, resume=resume, force=force) as (file, earlier), progress_bar() as progress:
         pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
         total = sum(len(piece.numbers) for piece in pieces)
@@ -116,6 +117,19 @@ def detect(
         _show_summary(outcomes)
     if not any(figures["ok"] for figures in outcomes):
         raise typer.Exit(EXIT_NOTHING_FOUND)
+
+
+def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
+    from padstudio.flights.detectors import Recipe
+    from padstudio.geometry import camera_files
+    from padstudio.pad import files as pad_files
+
+    the_camera = load_camera(camera)
+    if the_camera.nominal:
+        note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
+    content = pad_files.dumps(load_pad(pad))
+    params = json.dumps({"prepare": {"unmix": unmix}})
+    return Recipe(content, camera_files.to_ros_yaml(the_camera), method, params)
 
 
 def _write(record: dict[str, Any], file: IO[str]) -> Figures:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -18,50 +18,38 @@ _EXAMPLES = (
 )
 
 
+Scheduler = Annotated[
+    str, typer.Argument(envvar="PADSTUDIO_SCHEDULER", help="Scheduler's address, tls://host:port.")
+]
+Jobs = Annotated[
+    int,
+    typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
+]
+Memory = Annotated[int, typer.Option(min=500, help="Memory that each of them may take, MB.")]
+
+
+def _pem(variable: str, holds: str) -> Any:
+    """An option for a PEM file."""
+    return typer.Option(
+        envvar=f"PADSTUDIO_SCHEDULER_{variable}",
+        exists=True,
+        dir_okay=False,
+        help=f"PEM file of {holds}.",
+    )
+
+
 def register(app: typer.Typer) -> None:
     """Add the command to the program."""
     app.command(epilog=_EXAMPLES)(worker)
 
 
 def worker(
-    scheduler: Annotated[
-        str,
-        typer.Argument(envvar="PADSTUDIO_SCHEDULER", help="Scheduler's address, tls://host:port."),
-    ],
-    ca: Annotated[
-        Path | None,
-        typer.Option(
-            envvar="PADSTUDIO_SCHEDULER_CA",
-            exists=True,
-            dir_okay=False,
-            help="PEM file of the authority that the certificates are of.",
-        ),
-    ] = None,
-    cert: Annotated[
-        Path | None,
-        typer.Option(
-            envvar="PADSTUDIO_SCHEDULER_CERT",
-            exists=True,
-            dir_okay=False,
-            help="PEM file of this machine's certificate.",
-        ),
-    ] = None,
-    key: Annotated[
-        Path | None,
-        typer.Option(
-            envvar="PADSTUDIO_SCHEDULER_KEY",
-            exists=True,
-            dir_okay=False,
-            help="PEM file of its key.",
-        ),
-    ] = None,
-    jobs: Annotated[
-        int,
-        typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
-    ] = 0,
-    memory_mb: Annotated[
-        int, typer.Option(min=500, help="Memory that each of them may take, MB.")
-    ] = 3000,
+    scheduler: Scheduler,
+    ca: Annotated[Path | None, _pem("CA", "the authority that the certificates are of")] = None,
+    cert: Annotated[Path | None, _pem("CERT", "this machine's certificate")] = None,
+    key: Annotated[Path | None, _pem("KEY", "its key")] = None,
+    jobs: Jobs = 0,
+    memory_mb: Memory = 3000,
 ) -> None:
     """Work on flights for a cluster's scheduler until it ends, or Ctrl-C.
 
