@@ -79,9 +79,14 @@ def separation(matrix: Matrix) -> tuple[float, float]:
 
 def separation_warnings(red: float, blue: float) -> list[str]:
     """What is wrong with two layers that stand out by so much, in plain words."""
-    return [
-        f"red and blue are too close: the {name} layer stands out by {value:.0%} of white in its "
-        f"channel, and should by {LEAST_SEPARATION:.0%}; use purer inks"
+    close = [
+        f"the {name} layer stands out by {value:.0%} of white in its channel"
         for name, value in (("red", red), ("blue", blue))
         if value < LEAST_SEPARATION
+    ]
+    if not close:
+        return []
+    return [
+        f"red and blue are too close: {' and '.join(close)}, and should by {LEAST_SEPARATION:.0%}; "
+        "use purer inks"
     ]
