@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 from fastapi import FastAPI
 from fastapi.concurrency import run_in_threadpool
@@ -82,29 +83,6 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
             code="invalid_setting",
         )
 
-    @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        store = Store(
-            settings.data,
-            settings.database_url,
-            keep_traces=settings.keep_traces,
-            keep_trace_bytes=settings.keep_trace_bytes,
-            upload_limits=_upload_limits(settings),
-        )
-        pool = WorkerPool(settings.workers, settings.worker_memory_bytes, settings.max_waiting)
-        desk = open_desk(settings, store)
-        app.state.services = Services(settings, store, pool, desk, analyze)
-        desk.start()
-        expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))
-        try:
-            yield
-        finally:
-            expiry.cancel()
-            await app.state.services.simulations.close()
-            await run_in_threadpool(desk.close)
-            pool.close()
-            store.close()
-
     app = FastAPI(
         title="Pad Studio",
         version=__version__,
@@ -113,7 +91,7 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
         # FastAPI's own documentation pages load scripts from another host.
         docs_url=None,
         redoc_url=None,
-        lifespan=lifespan,
+        lifespan=partial(_serving, settings, analyze),
     )
     app.state.settings = settings
     errors.install(app)
@@ -127,6 +105,31 @@ def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")
     return app
+
+
+@asynccontextmanager
+async def _serving(settings: Settings, analyze: Analyze, app: FastAPI) -> AsyncIterator[None]:
+    """All that an app needs while it serves: the data folder, workers, flights."""
+    store = Store(
+        settings.data,
+        settings.database_url,
+        keep_traces=settings.keep_traces,
+        keep_trace_bytes=settings.keep_trace_bytes,
+        upload_limits=_upload_limits(settings),
+    )
+    pool = WorkerPool(settings.workers, settings.worker_memory_bytes, settings.max_waiting)
+    desk = open_desk(settings, store)
+    services = app.state.services = Services(settings, store, pool, desk, analyze)
+    desk.start()
+    expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))
+    try:
+        yield
+    finally:
+        expiry.cancel()
+        await services.simulations.close()
+        await run_in_threadpool(desk.close)
+        pool.close()
+        store.close()
 
 
 def _upload_limits(settings: Settings) -> UploadLimits:
