@@ -20,7 +20,7 @@ from padstudio.vision.far import WholeSign
 from padstudio.vision.lattice import Lattice
 from padstudio.vision.measure import LayerRead, Measurement
 from padstudio.vision.planes import BGR_INDEX, Plane
-from padstudio.vision.prepare import Denoise, Stretch, Unmixing, denoised
+from padstudio.vision.prepare import Denoise, Stretch, Unmixed, denoised
 from padstudio.vision.types import Detection, Image, StageFailure, Trace
 
 MAX_WIDTH = drawing.MAX_WIDTH
@@ -95,13 +95,13 @@ def _last_seen(trace: Trace, name: str, channel: Channel | None) -> object:
 def _paint_stretch(trace: Trace, output: Stretch, channel: Channel | None) -> Image:
     picture = drawing.fit(trace.image, MAX_WIDTH)
     unmixed = trace.get("unmix")
-    if unmixed is not None and isinstance(unmixed.output, Unmixing):
-        picture = unmixed.output.apply(picture)
+    if unmixed is not None and isinstance(unmixed.output, Unmixed):
+        picture = drawing.fit(unmixed.output.image, MAX_WIDTH)
     return _one_channel(output.apply(picture), channel)
 
 
-def _paint_unmix(trace: Trace, output: Unmixing, channel: Channel | None) -> Image:
-    return _one_channel(output.apply(drawing.fit(trace.image, MAX_WIDTH)), channel)
+def _paint_unmix(trace: Trace, output: Unmixed, channel: Channel | None) -> Image:
+    return _one_channel(drawing.fit(output.image, MAX_WIDTH), channel)
 
 
 def _paint_denoise(trace: Trace, output: Denoise, channel: Channel | None) -> Image:
@@ -186,7 +186,7 @@ def _paint_measurement(trace: Trace, output: Measurement, channel: Channel | Non
 _PAINTERS: dict[type, Callable[[Trace, Any, Channel | None], Image]] = {
     Stretch: _paint_stretch,
     Denoise: _paint_denoise,
-    Unmixing: _paint_unmix,
+    Unmixed: _paint_unmix,
     Plane: _paint_plane,
     Binary: _paint_binary,
     EdgeSet: _paint_edges,

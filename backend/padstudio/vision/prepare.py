@@ -72,21 +72,17 @@ class Denoise:
     applied: bool
 
 
-@dataclass(frozen=True)
-class Unmixing:
-    """Colours that are taken apart by the pad's crosstalk.
+@dataclass(frozen=True, eq=False)
+class Unmixed:
+    """A frame whose colours were taken apart by the pad's crosstalk.
 
     Attributes
     ----------
-    matrix : 3 rows of 3 numbers
-        As `padstudio.pad.crosstalk`.
+    image : (H, W, 3) uint8
+        BGR.
     """
 
-    matrix: Matrix
-
-    def apply(self, image: Image) -> Image:
-        """The picture un-mixed, (H, W, 3) uint8."""
-        return unmix(image, self.matrix)
+    image: Image
 
 
 def find_stretch(pyramid: Pyramid) -> Stretch:
@@ -139,6 +135,11 @@ def denoised(image: Image, denoise: Denoise) -> Image:
     return np.asarray(cv2.medianBlur(image, 3)) if denoise.applied else image
 
 
+def take_apart(image: Image, matrix: Matrix) -> Unmixed:
+    """The frame with its colours taken apart."""
+    return Unmixed(unmix(image, matrix))
+
+
 def prepare(image: Image, pad: Pad, params: PrepareParams, recorder: Recorder) -> Pyramid:
     """A frame without salt and pepper, its colours taken apart where the pad knows their mixture.
 
@@ -154,9 +155,7 @@ def prepare(image: Image, pad: Pad, params: PrepareParams, recorder: Recorder) -
     denoise = recorder.run("denoise", None, find_denoise, image, params.impulse_share)
     frame = denoised(image, denoise)
     if pad.crosstalk is not None and params.unmix:
-        unmixing = Unmixing(pad.crosstalk)
-        recorder.note("unmix", None, unmixing)
-        frame = unmixing.apply(frame)
+        frame = recorder.run("unmix", None, take_apart, frame, pad.crosstalk).image
     return Pyramid(frame)
 
 
