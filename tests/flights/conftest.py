@@ -1,12 +1,18 @@
-"""Databases for tests: every test that asks for one runs on SQLite and on PostgreSQL."""
+"""Databases and stores; a test that asks for a database runs on SQLite and on PostgreSQL."""
 
 from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import postgres_server
 import pytest
+from upload_senders import LIMITS
+
+from padstudio.flights.store import Store
+from padstudio.flights.upload_limits import UploadLimits
+from padstudio.flights.uploads import Uploads
 
 NewDatabase = Callable[[], str | None]
 
@@ -34,3 +40,23 @@ def new_database(request: pytest.FixtureRequest) -> Iterator[NewDatabase]:
     yield create
     for name in names:
         postgres_server.drop(server, name)
+
+
+@pytest.fixture
+def open_store(tmp_path: Path) -> Iterator[Callable[..., Store]]:
+    """Opens the store of one folder, as often as a server starts."""
+    stores: list[Store] = []
+
+    def open_it(limits: UploadLimits = LIMITS) -> Store:
+        for store in stores:
+            store.close()
+        stores.append(Store(tmp_path / "data", upload_limits=limits))
+        return stores[-1]
+
+    yield open_it
+    stores[-1].close()
+
+
+@pytest.fixture
+def uploads(open_store: Callable[..., Store]) -> Uploads:
+    return open_store().uploads
