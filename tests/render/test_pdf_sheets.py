@@ -23,10 +23,12 @@ DPI = 200
 SCALE = DPI / 25.4
 
 
-def printed(pad: Pad, folder: Path, **options: object) -> tuple[SheetPlan, list[Image]]:
+def printed(
+    pad: Pad, folder: Path, *, dpi: float = DPI, **options: object
+) -> tuple[SheetPlan, list[Image]]:
     """The plan, and every page as poppler renders it."""
     plan, data = written(pad, **options)
-    return plan, pages(data, folder, DPI)
+    return plan, pages(data, folder, dpi)
 
 
 def written(pad: Pad, **options: object) -> tuple[SheetPlan, bytes]:
@@ -36,32 +38,33 @@ def written(pad: Pad, **options: object) -> tuple[SheetPlan, bytes]:
 
 
 @pytest.mark.parametrize(
-    ("sheets", "quiet_mm"),
+    ("sheets", "quiet_mm", "dpi"),
     [
-        (SheetOptions(paper="A4"), 0.0),
-        (SheetOptions(paper="Letter", joint="overlap", overlap_mm=8.0), 13.3),
-        (SheetOptions(paper="230x310", seams="anywhere"), 4.0),
+        (SheetOptions(paper="A4"), 0.0, 200),
+        (SheetOptions(paper="A4"), 0.0, 300),
+        (SheetOptions(paper="Letter", joint="overlap", overlap_mm=8.0), 13.3, 200),
+        (SheetOptions(paper="230x310", seams="anywhere"), 4.0, 240),
     ],
 )
 def test_cut_and_joined_sheets_make_the_pad(
-    sheets: SheetOptions, quiet_mm: float, tmp_path: Path
+    sheets: SheetOptions, quiet_mm: float, dpi: float, tmp_path: Path
 ) -> None:
     """Every cell edge is where the layout says, measured from the cut marks alone."""
     pad = make_pad(40, 40, quiet_mm=quiet_mm)
-    plan, (_, *tiles) = printed(pad, tmp_path, sheets=sheets)
+    plan, (_, *tiles) = printed(pad, tmp_path, dpi=dpi, sheets=sheets)
     assert len(tiles) == len(plan.sheets) >= 6
     page = layout(pad)
     origin_x = dict.fromkeys(range(plan.rows), 0.0)
     origin_y = dict.fromkeys(range(plan.cols), 0.0)
     for sheet, tile in zip(plan.sheets, tiles, strict=True):
-        left, top, right, bottom = cut_marks(tile, sheet, SCALE)
+        left, top, right, bottom = cut_marks(tile, sheet, dpi / 25.4)
         # Laid against its neighbours, the sheet's cut corner is where theirs end.
         at_x, at_y = origin_x[sheet.row], origin_y[sheet.col]
         origin_x[sheet.row] += right - left
         origin_y[sheet.col] += bottom - top
         part = crop(page, sheet.core.x0, sheet.core.y0, sheet.core.x1, sheet.core.y1)
         shift = np.array([left - at_x, top - at_y])
-        errors = tile_errors(tile, part, shift)
+        errors = tile_errors(tile, part, shift, dpi / 25.4)
         assert len(errors) > 100
         assert np.abs(errors).max() < 0.05
     for total in (*origin_x.values(), *origin_y.values()):
@@ -168,10 +171,10 @@ def test_any_name_prints_within_the_sheet(text: str, tmp_path: Path) -> None:
     assert (image[:, :margin] == 255).all()
 
 
-def tile_errors(tile: Image, part: Layout, shift: Array) -> Array:
+def tile_errors(tile: Image, part: Layout, shift: Array, px_per_mm: float = SCALE) -> Array:
     """Errors of a layout's cell edges on a sheet where the page's origin is at `shift`, mm."""
     on_sheet = dataclasses.replace(part, x_mm=part.x_mm + shift[0], y_mm=part.y_mm + shift[1])
-    return edge_errors_mm(tile, on_sheet, SCALE)
+    return edge_errors_mm(tile, on_sheet, px_per_mm)
 
 
 def _ticks(profile: Array) -> Array:
