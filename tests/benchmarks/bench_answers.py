@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""How soon the server answers while flights are at work: milliseconds of each address.
+
+    bench_answers.py [--seconds N] [--flights N] [--json FILE]
+
+A server of its own, with worker processes, works on flights of the footage; one client asks for what
+the page of a flight asks for, one address after the other. Any other work on the machine counts as
+well.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import contextlib
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+
+FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
+OPEN = ("queued", "running")
+# So often a page looks while it follows a flight; others ask between.
+PAUSE_S = 0.02
+
+
+@contextlib.contextmanager
+def server(data: Path) -> Iterator[httpx.Client]:
+    """A client of a server that is ended with the context."""
+    program = Path(sys.executable).with_name("padstudio")
+    command = [program, "serve", "--port", "0", "--data", data]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stderr is not None
+        address = process.stderr.readline().split()[2]
+        with httpx.Client(base_url=address, timeout=60, trust_env=False) as client:
+            yield client
+    finally:
+        process.terminate()
+        process.communicate(timeout=60)
+
+
+def order(client: httpx.Client, flights: int) -> list[str]:
+    """Addresses of flights of one video."""
+
+    def store(address: str, path: Path) -> str:
+        answer = client.post(address, files={"file": (path.name, path.read_bytes())})
+        return str(answer.raise_for_status().json()["id"])
+
+    video = FOOTAGE / "flights" / "landing.mp4"
+    headers = {
+        "Tus-Resumable": "1.0.0",
+        "Upload-Length": str(video.stat().st_size),
+        "Upload-Metadata": f"filename {base64.b64encode(video.name.encode()).decode()}",
+        "Content-Type": "application/offset+octet-stream",
+    }
+    upload = client.post("/api/v1/uploads", headers=headers, content=video.read_bytes())
+    wanted = {
+        "uploads": [upload.raise_for_status().json()["id"]],
+        "pad": store("/api/v1/pads/import", FOOTAGE / "pad_a.json"),
+        "camera": store("/api/v1/cameras", FOOTAGE / "camera_drone_2k7.yaml"),
+    }
+    made = [client.post("/api/v1/flights", json=wanted).raise_for_status() for _ in range(flights)]
+    return [answer.headers["Location"] for answer in made]
+
+
+def measure(client: httpx.Client, flights: list[str], seconds: float) -> dict[str, list[float]]:
+    """Milliseconds of each answer while the last of the flights is not over."""
+    first = flights[0]
+    while client.get(first).json()["frames_done"] == 0:
+        time.sleep(0.1)
+    addresses = {
+        "page of a flight": f"/flights/{first.rsplit('/', 1)[1]}",
+        "page of flights": "/flights",
+        "flights": "/api/v1/flights",
+        "flight": first,
+        "frames, a page of 25": f"{first}/frames?limit=25",
+        "frame": f"{first}/frames/3",
+        "timeline": f"{first}/timeline?columns=800",
+        "figures": f"{first}/figures",
+        "summary": f"{first}/summary",
+    }
+    taken: dict[str, list[float]] = {name: [] for name in addresses}
+    end = time.monotonic() + seconds
+    while time.monotonic() < end and client.get(flights[-1]).json()["state"] in OPEN:
+        for name, address in addresses.items():
+            start = time.perf_counter()
+            client.get(address).raise_for_status()
+            taken[name].append(1e3 * (time.perf_counter() - start))
+            time.sleep(PAUSE_S)
+    return taken
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Answers of the server while flights are at work.")
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--flights", type=int, default=20, help="enough to last that long")
+    parser.add_argument("--json", type=Path, help="write the figures to this file")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder, server(Path(folder) / "data") as client:
+        flights = order(client, given.flights)
+        taken = measure(client, flights, given.seconds)
+    taken["all"] = [ms for each in taken.values() for ms in each]
+    report: dict[str, Any] = {}
+    for name, ms in taken.items():
+        p50, p95, p99, most = np.percentile(ms, [50, 95, 99, 100])
+        report[name] = {"p50_ms": p50, "p95_ms": p95, "p99_ms": p99, "max_ms": most}
+        print(f"{name:22}{len(ms):5} answers{p50:8.1f}{p95:8.1f}{p99:8.1f}{most:8.1f} ms")
+    if given.json:
+        given.json.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
