@@ -3,9 +3,8 @@
 
     bench_answers.py [--seconds N] [--flights N] [--json FILE]
 
-A server of its own, with worker processes, works on flights of the footage; one client asks for what
-the page of a flight asks for, one address after the other. Any other work on the machine counts as
-well.
+A server of its own, with worker processes, works on flights of the footage; one client asks for
+what the page of a flight asks for, one address after the other. Other work on the machine counts.
 """
 
 from __future__ import annotations
