@@ -13,232 +13,226 @@ doi:10.1023/B:VISI.0000011205.11775.fd
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
-from padstudio.pad.spec import Channel, Pad
-from padstudio.vision.covariance import newton_share, sums_by_tile
+from padstudio.pad.spec import Pad
+from padstudio.vision.covariance import TILES, least_share
 from padstudio.vision.motion import KnownMotion, MovingPose
-from padstudio.vision.pattern import (
-    OVERSAMPLING,
-    Pixels,
-    Texture,
-    by_pose,
-    look_up,
-    on_pad,
-    pixels_of,
-    texture_of,
-)
+from padstudio.vision.pattern import OVERSAMPLING, Pixels, Texture, pixels_of, texture_of
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.refine import Fit, MotionPrior
 from padstudio.vision.types import Array
 
-_ITERATIONS = 6
+# Steps on a part of the pixels, as far as they serve, then on all.
+_ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
+_STEPS = 3
 # A step that moves the picture by less ends the iteration.
-_SETTLED_PX = 5e-3
-
-
-def align(
-    pyramid: Pyramid,
-    camera: Camera,
-    pad: Pad,
-    start: MovingPose,
-    *,
-    motion: bool,
-    known: KnownMotion | None = None,
-    rolling: bool = True,
-) -> Fit | None:
-    """Match the whole pad to the frame.
-
-    Parameters
-    ----------
-    pyramid : Pyramid
-    camera : Camera
-        At the frame's size.
-    pad : Pad
-    start : MovingPose
-        Right to about a pixel.
-    motion : bool
-        Let the pose change within the frame.
-    known : KnownMotion or None
-        What the change within the frame should be near to.
-    rolling : bool
-        The shutter may roll, so that an unseen change of height enters the covariance.
-
-    Returns
-    -------
-    Fit or None
-        None where too few pixels show the pad, or the picture leaves the pose undetermined.
-    """
-    pixels = pixels_of(pyramid, camera, pad, start)
-    if pixels is None:
-        return None
-    texture = texture_of(pad, camera.focal_px / float(start.pose.position_mm[2]))
-    match = _Match(pixels, texture, MotionPrior.of(start, known, 12 if motion else 6))
-    pose = start if motion else MovingPose(start.pose)
-    for _ in range(_ITERATIONS):
-        step = match.step(pose)
-        if step is None:
-            return None
-        pose = pose.moved(step)
-        if np.abs(step[3:6]).max() * camera.focal_px < _SETTLED_PX and (
-            np.abs(step[:3]).max() * camera.focal_px < _SETTLED_PX * pose.pose.position_mm[2]
-        ):
-            break
-    everything = np.ones(len(pixels.moment), bool)
-    return Fit(pose, match.rms_px, everything, lambda: match.covariance(pose, rolling=rolling))
+_ROUGHLY_SETTLED_PX, _SETTLED_PX = 0.05, 5e-3
+# Residuals beyond so many standard deviations, and grey values, are trusted little.
+_TRUSTED, _LEAST_SCALE = 3.0, 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class _Channel:
-    """One channel's part of the normal equations of the pose, brightness solved for.
+class _Equations:
+    """One channel's part of the normal equations of the pose, brightness eliminated.
 
     Attributes
     ----------
     normal : (K, K) float64
     right : (K,) float64
+    scores : (T, K) float64
+        The right side's parts, by tile.
+    shared : (L, K) float64
+        What of a step of the pose brightness takes over.
+    change : (L,) float64
+        Of brightness, while the pose stays.
     variance : float
         Of the residuals.
     share : float
         As of `padstudio.vision.covariance.newton_share`.
-    steepness : float
-        Mean squared slope of the brightness along one axis, per mm.
-    jacobian, linear : (N, K) and (N, L)
-        Change of the values with the pose, and with the brightness.
-    shared : (L, K) float64
-        What of the former the latter can take over.
-    pull : (N,) float32
-        Residuals over their variance, as far as they are trusted.
     """
 
     normal: Array
     right: Array
+    scores: Array
+    shared: Array
+    change: Array
     variance: float
     share: float
-    steepness: float
-    jacobian: Array
-    linear: NDArray[np.float32]
-    shared: Array
-    pull: NDArray[np.float32]
 
     @classmethod
-    def of(
-        cls,
-        jacobian: Array,
-        linear: NDArray[np.float32],
-        residual: NDArray[np.float32],
-        weight: NDArray[np.float32],
-        steepness: float,
-    ) -> _Channel:
+    def of(cls, normal: Array, right: Array, sums: Array, size: int) -> _Equations:
         """The Schur complement of the brightness terms."""
-        size = jacobian.shape[1]
-        both = np.column_stack([jacobian, linear])
-        moment = ((both * weight[:, None]).T @ np.column_stack([both, residual])).astype(float)
-        a, b, right = moment[:size, :size], moment[:size, size:-1], moment[:size, -1]
-        c, rest = moment[size:, size:-1], moment[size:, -1]
-        solved = np.linalg.lstsq(c, np.column_stack([b.T, rest]), rcond=None)[0]
-        variance = float((weight * residual**2).sum() / weight.sum())
+        normal = normal + np.tril(normal, -1).T
+        squares, weights, steepness, _ = sums
+        variance = max(squares / weights, 1e-9)
+        across, total = normal[:size, size:], right.sum(axis=0)
+        # Terms that the picture does not show, as of a layer out of view, stay as they are.
+        solved = np.linalg.lstsq(
+            normal[size:, size:], np.column_stack([across.T, total[size:]]), rcond=None
+        )[0]
+        shared, change = solved[:, :-1], solved[:, -1]
         return cls(
-            normal=(a - b @ solved[:, :-1]) / variance,
-            right=(right - b @ solved[:, -1]) / variance,
+            normal=(normal[:size, :size] - across @ shared) / variance,
+            right=(total[:size] - across @ change) / variance,
+            scores=(right[:, :size] - right[:, size:] @ shared) / variance,
+            shared=shared,
+            change=change,
             variance=variance,
-            share=newton_share(weight.astype(float)),
-            steepness=steepness,
-            jacobian=jacobian,
-            linear=linear,
-            shared=solved[:, :-1],
-            pull=weight * residual / np.float32(variance),
+            share=least_share(steepness / weights),
         )
 
-    def gradients(self) -> Array:
-        """(N, K) float64, each pixel's part of the right side."""
-        return (self.jacobian - self.linear @ self.shared) * self.pull[:, None]
 
-
-class _Match:
+class Match:
     """Gauss–Newton for the pose; brightness, shading and crosstalk are solved for along with it.
 
     Each channel shows every layer, through its own inks and more or less through the others', in
-    an even light or one that falls off: value = shading + Σ gain · layer.
+    an even light or one that falls off: value = shading + Σ gain · layer. What is found of that
+    for one pose serves the next.
+
+    Parameters
+    ----------
+    pixels : Pixels
+    texture : Texture
+    focal_px : float
     """
 
-    def __init__(self, pixels: Pixels, texture: Texture, prior: MotionPrior) -> None:
-        self._pixels = pixels
+    def __init__(self, pixels: Pixels, texture: Texture, focal_px: float) -> None:
+        self._all, self._few = pixels, pixels.thinned(_ROUGH_PIXELS)
         self._texture = texture
-        self._prior = prior
-        self._brightness: dict[Channel, Array] = {}
-        self.rms_px = 0.0
+        self._focal_px = focal_px
+        self._scale = np.zeros(len(pixels.values))
+        self._brightness: Array | None = None
+        self._rms_px = 0.0
 
-    def step(self, pose: MovingPose) -> Array | None:
-        """The step of the pose, or None where the picture leaves it undetermined."""
-        size = len(self._prior.weight)
-        parts = list(self._channels(pose, size))
-        normal = np.diag(self._prior.weight) + sum(part.normal for part in parts)
-        try:
-            step = np.linalg.solve(normal, self._prior.pull(pose) + sum(p.right for p in parts))
-        except np.linalg.LinAlgError:
+    @classmethod
+    def of(cls, pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose) -> Match | None:
+        """The match of a pad with a frame near a pose; None where too few pixels show the pad."""
+        pixels = pixels_of(pyramid, camera, pad, start)
+        if pixels is None:
             return None
-        px_mm = self._texture.mm[0] * OVERSAMPLING
-        squares, slopes = sum(p.variance for p in parts), sum(p.steepness for p in parts)
-        self.rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) / px_mm
-        return np.asarray(step, float) if np.isfinite(step).all() else None
+        texture = texture_of(pad, camera.focal_px / float(start.pose.position_mm[2]))
+        return cls(pixels, texture, camera.focal_px)
 
-    def covariance(self, pose: MovingPose, *, rolling: bool) -> Array:
+    def fit(
+        self,
+        start: MovingPose,
+        *,
+        motion: bool,
+        known: KnownMotion | None = None,
+        rolling: bool = True,
+        rough: bool = False,
+    ) -> Fit | None:
+        """The pose that matches best.
+
+        Parameters
+        ----------
+        start : MovingPose
+            Right to about a pixel.
+        motion : bool
+            Let the pose change within the frame.
+        known : KnownMotion or None
+            What the change within the frame should be near to.
+        rolling : bool
+            The shutter may roll, so that an unseen change of height enters the covariance.
+        rough : bool
+            A part of the pixels must do: enough to tell one start from another.
+
+        Returns
+        -------
+        Fit or None
+            None where the picture leaves the pose undetermined.
+        """
+        prior = MotionPrior.of(start, known, 12 if motion else 6)
+        begin = start if motion else MovingPose(start.pose)
+        if self._brightness is None:
+            self._find_brightness(begin)
+        pose = self._settle(begin, prior, self._few, _ROUGH_STEPS, _ROUGHLY_SETTLED_PX)
+        if pose is not None and not rough:
+            pose = self._settle(pose, prior, self._all, _STEPS, _SETTLED_PX)
+        if pose is None:
+            return None
+        settled, everything = pose, np.ones(len(self._all.moment), bool)
+        return Fit(
+            settled, self._rms_px, everything, lambda: self._covariance(settled, prior, rolling)
+        )
+
+    def _find_brightness(self, pose: MovingPose) -> None:
+        """Brightness at a pose, as if the pose were right."""
+        terms = self._few.shade.shape[1] + 3 * len(self._texture.layers)
+        self._brightness = np.zeros((len(self._few.values), terms))
+        for _ in range(3):
+            for channel, part in enumerate(self._equations(pose, self._few, 0)):
+                self._brightness[channel] += part.change
+
+    def _settle(
+        self, pose: MovingPose, prior: MotionPrior, pixels: Pixels, steps: int, least_px: float
+    ) -> MovingPose | None:
+        """The pose after some steps, or None where the picture leaves it undetermined."""
+        assert self._brightness is not None
+        for _ in range(steps):
+            parts = self._equations(pose, pixels, len(prior.weight))
+            normal = np.diag(prior.weight) + sum(part.normal for part in parts)
+            right = prior.pull(pose) + sum(part.right for part in parts)
+            try:
+                step = np.linalg.solve(normal, right)
+            except np.linalg.LinAlgError:
+                return None
+            if not np.isfinite(step).all():
+                return None
+            pose = pose.moved(np.asarray(step, float))
+            for channel, part in enumerate(parts):
+                self._brightness[channel] += part.change - part.shared @ step
+            sideways_px = np.abs(step[:3]).max() * self._focal_px / abs(pose.pose.position_mm[2])
+            if max(sideways_px, np.abs(step[3:6]).max() * self._focal_px) < least_px:
+                break
+        return pose
+
+    def _covariance(self, pose: MovingPose, prior: MotionPrior, rolling: bool) -> Array:
         """Covariance (6, 6) of a solution."""
-        size = len(self._prior.weight)
-        parts = list(self._channels(pose, 12))
+        parts = self._equations(pose, self._all, 12)
         normal = sum((part.normal * part.share for part in parts), np.zeros((12, 12)))
-        gradients = sum((part.gradients()[:, :size] for part in parts), np.zeros(()))
-        scores = sums_by_tile(gradients, self._pixels.tile)
-        return self._prior.covariance(normal, scores, rolling=rolling)
+        size = len(prior.weight)
+        scores = sum((part.scores[:, :size] for part in parts), np.zeros((TILES * TILES, size)))
+        return prior.covariance(normal, scores, rolling=rolling)
 
-    def _channels(self, pose: MovingPose, size: int) -> Iterator[_Channel]:
-        pixels = self._pixels
-        points, direction = on_pad(pose, pixels.rays, pixels.moment)
-        moved = by_pose(pose, pixels.rays, direction)
-        if size == 12:
-            moved = np.concatenate([moved, moved * pixels.moment[:, None, None]], axis=2)
-        shown = [look_up(self._texture, layer, points) for layer in self._texture.layers]
-        gains = [value[:, None] * pixels.shade[:, :3] for value, _ in shown]
-        linear = np.column_stack([pixels.shade, *gains]).astype(np.float32)
-        for channel, values in pixels.values.items():
-            residual, weight = self._residual(channel, linear, values)
-            slope = self._slope(channel, [d for _, d in shown])
-            jacobian = slope[:, :1] * moved[:, 0] + slope[:, 1:] * moved[:, 1]
-            steepness = float((slope**2).sum(axis=1).mean()) / 2
-            yield _Channel.of(jacobian, linear, residual, weight, steepness)
+    def _equations(self, pose: MovingPose, pixels: Pixels, size: int) -> list[_Equations]:
+        """Each channel's equations at a pose; updates what residuals are trusted, and the rms."""
+        from padstudio.vision import kernels_pattern
 
-    def _residual(
-        self, channel: Channel, linear: NDArray[np.float32], values: Array
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """What brightness leaves over at the present pose, and how far each pixel is trusted."""
-        known = self._brightness.get(channel)
-        weight = np.ones(len(values), np.float32)
-        for _ in range(3 if known is None else 1):
-            if known is not None:
-                weight = _trust(values - linear @ known)
-            weighted = linear * weight[:, None]
-            known = np.linalg.lstsq(
-                (weighted.T @ linear).astype(float), (weighted.T @ values).astype(float), rcond=None
-            )[0]
-        assert known is not None
-        self._brightness[channel] = known
-        return (values - linear @ known).astype(np.float32), weight
-
-    def _slope(self, channel: Channel, slopes: list[Array]) -> NDArray[np.float32]:
-        """Change of a channel's brightness per mm of X and Y, (N, 2)."""
-        known, shade = self._brightness[channel], self._pixels.shade[:, :3]
-        parts = [
-            (shade @ known[6 + 3 * k : 9 + 3 * k])[:, None] * slope
-            for k, slope in enumerate(slopes)
-        ]
-        return np.asarray(sum(parts), np.float32)
+        assert self._brightness is not None
+        texture = self._texture
+        normal, right, sums, residuals = kernels_pattern.match_pattern(
+            pixels.rays,
+            pixels.moment,
+            pixels.shade,
+            pixels.tile,
+            TILES * TILES,
+            pixels.values,
+            texture.layers,
+            texture.place,
+            np.ascontiguousarray(pose.pose.rotation),
+            pose.pose.position_mm,
+            pose.shift_mm,
+            pose.turn,
+            self._brightness,
+            self._scale,
+            size,
+        )
+        self._scale = _scales(residuals)
+        slopes = sums[:, 3].sum() / (2 * len(pixels.moment))
+        squares = (sums[:, 0] / sums[:, 1]).sum()
+        self._rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) / (texture.mm[0] * OVERSAMPLING)
+        return [_Equations.of(*part, size) for part in zip(normal, right, sums, strict=True)]
 
 
-def _trust(residual: Array) -> NDArray[np.float32]:
-    scale = max(1.4826 * float(np.median(np.abs(residual))), 0.3)
-    return (1 / (1 + (residual / (3 * scale)) ** 2) ** 2).astype(np.float32)
+def _scales(residuals: NDArray[np.float32]) -> Array:
+    """Beyond which residuals (C, N) are trusted little: robust standard deviations, (C,)."""
+    size = np.abs(residuals)
+    middle = size.shape[1] // 2
+    median = np.partition(size, middle, axis=1)[:, middle].astype(float)
+    return _TRUSTED * np.maximum(1.4826 * median, _LEAST_SCALE)

@@ -42,7 +42,12 @@ def newton_share(weight: Array, trust: Array | float = 1.0) -> float:
     """
     share = np.sqrt(weight)
     steep = weight * (4 * share - 3)
-    return float(max((trust * steep).sum() / max((trust * weight).sum(), 1e-12), _LEAST_SHARE))
+    return least_share(float((trust * steep).sum() / max((trust * weight).sum(), 1e-12)))
+
+
+def least_share(share: float) -> float:
+    """A share as of `newton_share`, where few residuals may not make it absurdly small."""
+    return max(share, _LEAST_SHARE)
 
 
 def tiles_of(xy: Array) -> NDArray[np.intp]:

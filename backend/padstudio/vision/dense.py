@@ -16,8 +16,13 @@ from padstudio.vision.covariance import with_picture_shift
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
-from padstudio.vision.far import WholeSign, find_whole_sign
-from padstudio.vision.measure import LayerRead, Measurement, Refiner, most_residual_px
+from padstudio.vision.far import (
+    WholeSign,
+    find_whole_sign,
+    outline_in,
+    readable_poses,
+)
+from padstudio.vision.measure import LayerRead, Measurement, Refiner, Rung, most_residual_px
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planar import ambiguity, planar_pose
@@ -41,6 +46,8 @@ from padstudio.vision.view import to_pad
 _CLEAR = 0.15
 # A start whose few borders fit this much better than the other's needs no comparison to the end.
 _BETTER = 0.85
+# So, too, where the whole pattern is compared.
+_BETTER_MATCH = 0.97
 # A sign larger than this in the frame shows cells that a lattice reads, if anything does.
 _FAR_SIDE_PX = 800
 # While following, layers with cells of this width and number must agree.
@@ -72,6 +79,9 @@ class Dense:
         stretch = recorder.run("stretch", None, find_stretch, pyramid)
         regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
         frame = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
+        small = self._by_outline(frame, regions)
+        if small is not None:
+            return small
         failure: StageFailure | None = None
         for found in sightings(frame, regions):
             if isinstance(found, Miss):
@@ -84,6 +94,28 @@ class Dense:
                 return detection
             failure = detection.failure
         return self._from_afar(frame, regions) or self._miss(frame, regions, found, failure)
+
+    def _by_outline(self, frame: Search, regions: list[Region]) -> Detection | None:
+        """The pose of a pad that is small in the frame, from where its colour ends; or None.
+
+        Four sides cost less than a lattice of cells that are a few pixels wide.
+        """
+        recorder = frame.recorder
+        refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, 1)
+        for region in regions[:-1]:
+            if region.box.side > _FAR_SIDE_PX:
+                continue
+            outline = recorder.run("outline", None, outline_in, refiner, region, 1)
+            if isinstance(outline, StageFailure):
+                continue
+            starts = recorder.run("pose", None, readable_poses, outline, refiner)
+            measurement = recorder.run("pose", None, _best_of, refiner, starts, np.inf)
+            detection, reads = self._judge(refiner, measurement, recorder)
+            if detection.ok:
+                if recorder.keep:
+                    recorder.append(explain(frame, region, reads, None))
+                return detection
+        return None
 
     def _from_afar(self, frame: Search, regions: list[Region]) -> Detection | None:
         """The pose of a pad too far away for lattices, or None."""
@@ -192,12 +224,25 @@ def _best_of(refiner: Refiner, starts: list[MovingPose], good_mm: float) -> Meas
     """Refine from the start whose few borders fit best."""
     settled = [rungs for rungs in (refiner.settle(start, good_mm) for start in starts) if rungs]
     settled.sort(key=lambda rungs: (rungs[-1].layer.cell_mm, rungs[-1].rms_px))
-    if not settled:
-        return None
-    clear = len(settled) == 1 or settled[0][-1].rms_px < _BETTER * settled[1][-1].rms_px
-    polished = [refiner.polish(rungs) for rungs in (settled[:1] if clear else settled)]
+    if len(settled) > 1:
+        settled = _likely(refiner, settled)
+    polished = [refiner.polish(rungs) for rungs in settled]
     found = [item for item in polished if item is not None]
     return min(found, key=lambda item: (item.layer.cell_mm, item.fit.rms_px), default=None)
+
+
+def _likely(refiner: Refiner, settled: list[list[Rung]]) -> list[list[Rung]]:
+    """The starts that may be right: the best one, and others that a look does not set apart."""
+    margin = _BETTER
+    if any(refiner.is_far(rungs[-1]) for rungs in settled):
+        settled, margin = [refiner.matched(rungs) for rungs in settled], _BETTER_MATCH
+    settled = sorted(settled, key=lambda rungs: rungs[-1].rms_px)
+    kept = settled[:1]
+    for rungs in settled[1:]:
+        doubtful = rungs[-1].rms_px * margin <= kept[0][-1].rms_px
+        if doubtful and not any(rungs[-1].pose.near(other[-1].pose) for other in kept):
+            kept.append(rungs)
+    return kept
 
 
 def _unfit(measurement: Measurement | None) -> StageFailure | None:

@@ -7,12 +7,14 @@ turn it is and whether it is this pad at all.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
 from padstudio.pad.layout import outline_mm
-from padstudio.vision.align import align
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.align import Match
 from padstudio.vision.measure import LayerRead, Refiner
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.outline import Outline, find_outline
@@ -53,29 +55,16 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
     region : Region
         As of `padstudio.vision.regions.find_regions`.
     """
-    camera, pad, rolling = refiner.camera, refiner.pad, refiner.params.refine.motion
-    shape = sharper(refiner.pyramid, pad, region)
-    outline = find_outline(refiner.pyramid, camera, pad, shape)
+    outline = outline_in(refiner, region)
     if isinstance(outline, StageFailure):
         return outline
-    coarse = max(pad.layers, key=lambda layer: layer.cell_mm)
     best: WholeSign | None = None
-    for turn in range(4):
-        planar = planar_pose(np.roll(outline_mm(pad), turn, axis=0), outline.corners_rays)
-        if planar is None:
-            continue
-        for start in (planar.pose, planar.other):
-            if start is None:
-                continue
-            fit = align(
-                refiner.pyramid, camera, pad, MovingPose(start), motion=False, rolling=rolling
-            )
-            read = None if fit is None else refiner.read(coarse, fit.pose, places=4)
-            if fit is None or read is None:
-                continue
-            found = WholeSign(fit, read, outline)
-            if best is None or _surer(found, best):
-                best = found
+    for start in itertools.chain(*poses_of(outline, refiner.pad)):
+        found = _matched(refiner, outline, start, rough=True)
+        if found is not None and (best is None or _surer(found, best)):
+            best = found
+    if best is not None:
+        best = _matched(refiner, outline, best.fit.pose, rough=False)
     if best is None:
         return StageFailure("outline", Reason.NO_OUTLINE, "the outline's corners give no pose")
     evidence = best.read.evidence
@@ -84,9 +73,51 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
             "outline",
             Reason.UNKNOWN_CODE,
             f"four sides are there, but {evidence.wrong} of {evidence.read} "
-            f"{coarse.channel} cells within them differ from the pad in its best turn",
+            f"{best.read.layer.channel} cells within them differ from the pad in its best turn",
         )
     return best
+
+
+def outline_in(refiner: Refiner, region: Region, finest: int = 0) -> Outline | StageFailure:
+    """The sign's four sides in a region, to a part of a pixel of the pyramid's level."""
+    shape = sharper(refiner.pyramid, refiner.pad, region)
+    return find_outline(refiner.pyramid, refiner.camera, refiner.pad, shape, finest)
+
+
+def poses_of(outline: Outline, pad: Pad) -> list[list[MovingPose]]:
+    """For each turn the pose that shows the pad's corners where the outline's are, with its
+    mirrored answer where there is one."""
+    found = []
+    for turn in range(4):
+        planar = planar_pose(np.roll(outline_mm(pad), turn, axis=0), outline.corners_rays)
+        if planar is not None:
+            poses = [planar.pose, planar.other]
+            found.append([MovingPose(pose) for pose in poses if pose is not None])
+    return found
+
+
+def readable_poses(outline: Outline, refiner: Refiner) -> list[MovingPose]:
+    """Of `poses_of` those of the turn in which coarse cells agree with the pad best, if any do."""
+    best: tuple[float, list[MovingPose]] = (-np.inf, [])
+    for poses in poses_of(outline, refiner.pad):
+        read = refiner.read(_coarse(refiner.pad), poses[0], places=4)
+        if read is not None and read.evidence.suffices(0.0) and read.evidence.skill > best[0]:
+            best = (read.evidence.skill, poses)
+    return best[1]
+
+
+def _matched(
+    refiner: Refiner, outline: Outline, start: MovingPose, *, rough: bool
+) -> WholeSign | None:
+    match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start)
+    rolling = refiner.params.refine.motion
+    fit = match and match.fit(start, motion=False, rolling=rolling, rough=rough)
+    read = fit and refiner.read(_coarse(refiner.pad), fit.pose, places=4)
+    return WholeSign(fit, read, outline) if fit and read else None
+
+
+def _coarse(pad: Pad) -> Layer:
+    return max(pad.layers, key=lambda layer: layer.cell_mm)
 
 
 def _surer(a: WholeSign, b: WholeSign) -> bool:

@@ -6,7 +6,7 @@ loop is the plain form of an equation that the calling module documents.
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ def project(
 
 @jit
 def find_steps(
-    values: NDArray[np.float32], middle: Array, reach: Array, side: Array, sign: Array
+    values: NDArray[Any], middle: Array, reach: Array, side: Array, sign: Array
 ) -> Array:
     """See `padstudio.vision.borders`: shift in units of reach, rise and spent slope, (N, 3)."""
     h, w = values.shape
@@ -96,89 +96,3 @@ def find_steps(
             out[i, 0] = weighted / power
         out[i, 1], out[i, 2] = rise, spent
     return out
-
-
-@jit
-def linearize(
-    points: Array,
-    along: Array,
-    rays: Array,
-    moment: Array,
-    rotation: Array,
-    centre: Array,
-    shift: Array,
-    turn: Array,
-) -> Array:
-    """See `padstudio.vision.refine`: residual and its change with centre and turn, (N, 7)."""
-    out = np.empty((len(points), 7))
-    seen = np.empty((2, 3))
-    for i in range(len(points)):
-        s = moment[i]
-        for k in range(2):
-            f = 0.2 * k
-            dx = points[i, 0] + f * along[i, 0] - centre[0] - s * shift[0]
-            dy = points[i, 1] + f * along[i, 1] - centre[1] - s * shift[1]
-            dz = points[i, 2] + f * along[i, 2] - centre[2] - s * shift[2]
-            x = dx * rotation[0, 0] + dy * rotation[1, 0] + dz * rotation[2, 0]
-            y = dx * rotation[0, 1] + dy * rotation[1, 1] + dz * rotation[2, 1]
-            z = dx * rotation[0, 2] + dy * rotation[1, 2] + dz * rotation[2, 2]
-            w0, w1, w2 = s * turn[0], s * turn[1], s * turn[2]
-            seen[k, 0] = x - (w1 * z - w2 * y)
-            seen[k, 1] = y - (w2 * x - w0 * z)
-            seen[k, 2] = z - (w0 * y - w1 * x)
-        x, y, z = seen[0]
-        u, v = x / z, y / z
-        tu, tv = seen[1, 0] / seen[1, 2] - u, seen[1, 1] / seen[1, 2] - v
-        length = max(math.sqrt(tu * tu + tv * tv), 1e-15)
-        nu, nv = -tv / length, tu / length
-        out[i, 0] = (rays[i, 0] - u) * nu + (rays[i, 1] - v) * nv
-        g0, g1, g2 = nu / z, nv / z, -(nu * u + nv * v) / z
-        for k in range(3):
-            out[i, 1 + k] = -(g0 * rotation[k, 0] + g1 * rotation[k, 1] + g2 * rotation[k, 2])
-        out[i, 4] = -(y * g2 - z * g1)
-        out[i, 5] = -(z * g0 - x * g2)
-        out[i, 6] = -(x * g1 - y * g0)
-    return out
-
-
-@jit
-def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tuple[Array, Array]:
-    """Weighted normal matrix (size, size) and right side of linearized rows (N, 7)."""
-    normal, right, j = np.zeros((size, size)), np.zeros(size), np.empty(12)
-    for i in range(len(rows)):
-        w = weight[i]
-        if w <= 0:
-            continue
-        for k in range(6):
-            j[k] = rows[i, 1 + k]
-            j[6 + k] = moment[i] * j[k]
-        for a in range(size):
-            t = w * j[a]
-            right[a] += t * rows[i, 0]
-            for b in range(a + 1):
-                normal[a, b] += t * j[b]
-    for a in range(size):
-        for b in range(a):
-            normal[b, a] = normal[a, b]
-    return normal, right
-
-
-@jit
-def look_up(layer: NDArray[np.float32], x: Array, y: Array) -> tuple[Array, Array]:
-    """See `padstudio.vision.pattern`: bilinear values (N,), and slopes (N, 2) over a pixel."""
-    h, w = layer.shape
-    value, slope, near = np.empty(len(x)), np.empty((len(x), 2)), np.empty(5)
-    for i in range(len(x)):
-        for k in range(5):
-            # The place itself, then half a pixel to the left, right, top and bottom of it.
-            px = x[i] + (0.5 if k == 2 else -0.5 if k == 1 else 0.0)
-            py = y[i] + (0.5 if k == 4 else -0.5 if k == 3 else 0.0)
-            px, py = min(max(px, 0.0), w - 1.001), min(max(py, 0.0), h - 1.001)
-            c, r = int(px), int(py)
-            fx, fy = px - c, py - r
-            top = layer[r, c] * (1 - fx) + layer[r, c + 1] * fx
-            low = layer[r + 1, c] * (1 - fx) + layer[r + 1, c + 1] * fx
-            near[k] = top * (1 - fy) + low * fy
-        value[i] = near[0]
-        slope[i, 0], slope[i, 1] = near[2] - near[1], near[4] - near[3]
-    return value, slope

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.align import align
+from padstudio.vision.align import Match
 from padstudio.vision.borders import Borders, Measured, concatenate, layer_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.params import DetectorParams
-from padstudio.vision.planes import Box, Pyramid
+from padstudio.vision.planes import Pyramid
 from padstudio.vision.refine import Fit, better_of, fit_pose
 from padstudio.vision.types import Array
 from padstudio.vision.view import to_pad, visible_range
@@ -88,13 +88,17 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Rung:
-    """A readable layer with its borders in view, and what its few borders gave."""
+    """A readable layer with its borders in view, and what its few borders gave.
+
+    From afar ``match`` compares the whole pattern near its pose.
+    """
 
     layer: Layer
     borders: Borders
     cell_px: float
     pose: MovingPose
     rms_px: float
+    match: Match | None = None
 
 
 @dataclass(frozen=True)
@@ -166,11 +170,23 @@ class Refiner:
                 return Measurement(fit, rung.layer, measured, self.camera, rung.cell_px, read)
         return None
 
+    def is_far(self, rung: Rung) -> bool:
+        """True where the finest cells are so small that the pattern is matched as a whole."""
+        finest = min(layer.cell_mm for layer in self.pad.layers)
+        return rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px
+
+    def matched(self, rungs: list[Rung]) -> list[Rung]:
+        """The rungs, the last one's pose matched to some pixels of the whole pattern."""
+        last = rungs[-1]
+        match = Match.of(self.pyramid, self.camera, self.pad, last.pose)
+        fit = None if match is None else match.fit(last.pose, motion=False, rough=True)
+        pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
+        return [*rungs[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
+
     def _finish(self, rung: Rung, measured: Measured) -> Fit | None:
         """The best pose for a rung: by the whole pattern from afar, else by all borders."""
-        finest = min(layer.cell_mm for layer in self.pad.layers)
-        if rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px:
-            fit = self._align(rung.pose)
+        if self.is_far(rung):
+            fit = self._match(rung)
             # Glare bends the shading beyond what the match allows for; borders bear it.
             if fit is not None and fit.rms_px <= most_residual_px(rung.cell_px):
                 return replace(fit, inliers=np.ones(len(measured.xy), bool))
@@ -184,16 +200,19 @@ class Refiner:
         )  # fmt: skip
         return replace(full, doubt=fit.doubt) if full else fit
 
-    def _align(self, start: MovingPose) -> Fit | None:
+    def _match(self, rung: Rung) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
-        pyramid, camera, pad = self.pyramid, self.camera, self.pad
-        if self.motion is not None and self.params.refine.motion:
-            return align(pyramid, camera, pad, start, motion=True, known=self.motion)
+        start = rung.pose
+        match = rung.match or Match.of(self.pyramid, self.camera, self.pad, start)
+        if match is None:
+            return None
         rolling = self.params.refine.motion
-        still = align(pyramid, camera, pad, start, motion=False, rolling=rolling)
+        if self.motion is not None and rolling:
+            return match.fit(start, motion=True, known=self.motion)
+        still = match.fit(start, motion=False, rolling=rolling)
         if still is None or not rolling:
             return still
-        return better_of(still, align(pyramid, camera, pad, still.pose, motion=True))
+        return better_of(still, match.fit(still.pose, motion=True))
 
     def _fit(self, start: MovingPose, measured: Measured, *, iterations: int) -> Fit | None:
         """A still fit, or a moving one where its motion is known or the residuals ask for it."""
@@ -242,8 +261,7 @@ class Refiner:
     ) -> Measured:
         level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
         level = max(0, level - sharper)
-        box = _box(pose.project(self.camera, borders.points_mm), self.camera, int(cell_px) + 8)
-        plane = self.pyramid.plane(layer.channel, level, box)
+        plane = self.pyramid.window(layer.channel, level)
         return measure(borders, plane, self.camera, pose, _REACH_PX)
 
     def _visible_borders(self, layer: Layer, pose: MovingPose) -> tuple[Borders, float]:
@@ -272,15 +290,3 @@ class Refiner:
 def most_residual_px(cell_px: float) -> float:
     """Residuals beyond this mean that the borders are not those of cells of this width."""
     return _MOST_RESIDUAL * cell_px + 1.0
-
-
-def _box(pixels: Array, camera: Camera, border: int) -> Box:
-    """The part of the frame round some of its points."""
-    low = np.floor(np.nanmin(pixels, axis=0)).astype(int) - border
-    high = np.ceil(np.nanmax(pixels, axis=0)).astype(int) + border + 1
-    return Box(
-        max(0, int(low[0])),
-        max(0, int(low[1])),
-        min(camera.width, int(high[0])),
-        min(camera.height, int(high[1])),
-    )

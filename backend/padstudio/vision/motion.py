@@ -12,6 +12,9 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.vision.types import Array
 
+# Poses that differ by less are one to begin with.
+_NEAR_RAD = 0.01
+
 
 def cross(a: Array, b: Array) -> Array:
     """Cross products of rows, (N, 3) each; `numpy.cross` costs four times as much on thousands."""
@@ -115,6 +118,12 @@ class MovingPose:
         if len(step) == 6:
             return MovingPose(pose, self.shift_mm, self.turn)
         return MovingPose(pose, self.shift_mm + step[6:9], self.turn + step[9:12])
+
+    def near(self, other: MovingPose) -> bool:
+        """True where another pose is so near that either leads to the same best one."""
+        step = self.step_to(other)
+        away = np.linalg.norm(step[:3]) / max(abs(self.pose.position_mm[2]), 1e-9)
+        return bool(max(away, np.linalg.norm(step[3:])) < _NEAR_RAD)
 
     def step_to(self, other: MovingPose) -> Array:
         """The step (6,) of `moved` that leads to another's pose."""

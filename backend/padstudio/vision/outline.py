@@ -100,7 +100,7 @@ class OutlinePose:
 
 
 def find_outline(
-    pyramid: Pyramid, camera: Camera, pad: Pad, region: Region
+    pyramid: Pyramid, camera: Camera, pad: Pad, region: Region, finest: int = 0
 ) -> Outline | StageFailure:
     """Fit four straight sides to a region of pad colour.
 
@@ -112,6 +112,8 @@ def find_outline(
     pad : Pad
     region : Region
         As of `padstudio.vision.regions.find_regions`.
+    finest : int
+        The pyramid's level that suffices.
 
     Returns
     -------
@@ -129,7 +131,7 @@ def find_outline(
         return _failure("the pad reaches beyond the frame")
     corners = rough
     sides: list[Side] = []
-    for level in range(region.level, -1, -1):
+    for level in range(region.level, min(finest, region.level) - 1, -1):
         reach = (_FIRST_REACH if level == region.level else _NEXT_REACH) * (1 << level)
         fitted = [
             fit_side(pyramid, camera, pad, level, corners[k], corners[(k + 1) % 4], reach)

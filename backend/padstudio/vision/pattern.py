@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import outline_mm
-from padstudio.pad.spec import Channel, Pad
+from padstudio.pad.spec import Pad
 from padstudio.vision.covariance import tiles_of
-from padstudio.vision.motion import MovingPose, cross
-from padstudio.vision.planes import Box, Pyramid
+from padstudio.vision.motion import MovingPose
+from padstudio.vision.planes import BGR_INDEX, Box, Pyramid
 from padstudio.vision.types import Array
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
 # latter.
 OVERSAMPLING = 2.0
 _BLUR_PX = 0.8
+# Textures are made at so many scales an octave.
+_SCALES = 8
 # More pixels than this are thinned evenly.
 _MOST_PIXELS = 16_000
 _LEAST_PIXELS = 150
@@ -33,7 +37,7 @@ class Texture:
 
     Attributes
     ----------
-    layers : tuple of (h, w) float32
+    layers : (L, h, w) float32
         0 … 1, blurred as the camera does, in the order of ``pad.layers``.
     mm : (x, y) of float
         Size of a texture pixel.
@@ -41,15 +45,15 @@ class Texture:
         Measured size of the pad.
     """
 
-    layers: tuple[NDArray[np.float32], ...]
+    layers: NDArray[np.float32]
     mm: tuple[float, float]
     size_mm: tuple[float, float]
 
-    def coordinates(self, points: Array) -> tuple[Array, Array]:
-        """Texture pixels of pad points (N, 2), mm."""
-        x = (points[:, 0] + self.size_mm[0] / 2) / self.mm[0] - 0.5
-        y = (self.size_mm[1] / 2 - points[:, 1]) / self.mm[1] - 0.5
-        return x, y
+    @property
+    def place(self) -> Array:
+        """(4,) float64: of pad points, mm, the texture pixel is (p0 + p1 X, p2 + p3 Y)."""
+        (x_mm, y_mm), (width, height) = self.mm, self.size_mm
+        return np.array([width / 2 / x_mm - 0.5, 1 / x_mm, height / 2 / y_mm - 0.5, -1 / y_mm])
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +69,28 @@ class Pixels:
         Terms of a smooth shading.
     tile : (N,) int
         Part of the picture, as of `padstudio.vision.covariance.tiles_of`.
-    values : mapping of channel to (N,) float64
+    values : (C, N) float32
+        Of the channels of ``pad.layers``, in their order.
     """
 
     rays: Array
     moment: Array
     shade: Array
     tile: NDArray[np.intp]
-    values: dict[Channel, Array]
+    values: NDArray[np.float32]
+
+    def thinned(self, most: int) -> Pixels:
+        """At most ``most`` of the pixels, evenly spread."""
+        stride = -(-len(self.moment) // most)
+        if stride <= 1:
+            return self
+        return Pixels(
+            np.ascontiguousarray(self.rays[::stride]),
+            self.moment[::stride].copy(),
+            np.ascontiguousarray(self.shade[::stride]),
+            self.tile[::stride].copy(),
+            np.ascontiguousarray(self.values[:, ::stride]),
+        )
 
 
 def pixels_of(pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose) -> Pixels | None:
@@ -84,21 +102,19 @@ def pixels_of(pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose) -> P
     x, y = np.meshgrid(np.arange(box.x0, box.x1, stride), np.arange(box.y0, box.y1, stride))
     xy = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = np.column_stack([camera.normalize(xy), np.ones(len(xy))])
-    points, _ = on_pad(pose, rays, np.zeros(len(xy)))
+    points = on_pad(pose.pose, rays)
     width, height = pad.size_mm
     rim = _RIM_PX * float(pose.pose.position_mm[2]) / camera.focal_px
     inside = (np.abs(points[:, 0]) < width / 2 - rim) & (np.abs(points[:, 1]) < height / 2 - rim)
     if int(inside.sum()) < _LEAST_PIXELS:
         return None
     xy, rays = xy[inside], rays[inside]
-    values = {}
-    for layer in pad.layers:
-        plane = pyramid.plane(layer.channel, 0, box).values
-        values[layer.channel] = plane[xy[:, 1] - box.y0, xy[:, 0] - box.x0].astype(float)
+    shown = pyramid.level(0)[xy[:, 1], xy[:, 0]]
+    values = np.stack([shown[:, BGR_INDEX[layer.channel]] for layer in pad.layers])
     u, v = ((xy - xy.mean(axis=0)) / max(box.side / 2, 1)).T
     shade = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1)
     moment = pose.moment(camera, xy[:, 1].astype(float))
-    return Pixels(rays, moment, shade, tiles_of(xy.astype(float)), values)
+    return Pixels(rays, moment, shade, tiles_of(xy.astype(float)), values.astype(np.float32))
 
 
 def _outline_box(camera: Camera, pad: Pad, pose: MovingPose) -> Box | None:
@@ -113,58 +129,31 @@ def _outline_box(camera: Camera, pad: Pad, pose: MovingPose) -> Box | None:
 
 def texture_of(pad: Pad, px_per_mm: float) -> Texture:
     """The pad as a picture of about the frame's resolution, blurred as the camera does."""
+    # One picture serves all scales near it: they differ by less than the blur is known.
+    return _texture(pad, round(_SCALES * math.log2(px_per_mm)))
+
+
+@lru_cache(maxsize=4)
+def _texture(pad: Pad, scale: int) -> Texture:
+    from padstudio.vision import kernels_pattern
+
     width, height = pad.size_mm
-    w = max(8, round(width * px_per_mm * OVERSAMPLING))
-    h = max(8, round(height * px_per_mm * OVERSAMPLING))
+    per_mm = 2.0 ** (scale / _SCALES) * OVERSAMPLING
+    w, h = max(8, round(width * per_mm)), max(8, round(height * per_mm))
     mm = (width / w, height / h)
     sigma = _BLUR_PX * OVERSAMPLING
     layers = []
     for layer in pad.layers:
-        field = layer.field.astype(np.float32) / (pad.levels - 1)
-        cover = (
-            round(layer.width_mm * pad.scale[0] / mm[0]),
-            round(layer.height_mm * pad.scale[1] / mm[1]),
-        )
-        # Averaging over areas is exact only downwards, so the cells are enlarged first.
-        factor = max(1, -(-cover[0] // field.shape[1]), -(-cover[1] // field.shape[0]))
-        large = np.repeat(np.repeat(field, factor, axis=0), factor, axis=1)
-        shown = cv2.resize(large, cover, interpolation=cv2.INTER_AREA)
-        canvas = np.zeros((h, w), np.float32)
-        canvas[: shown.shape[0], : shown.shape[1]] = shown[:h, :w]
-        layers.append(np.asarray(cv2.GaussianBlur(canvas, (0, 0), sigma), np.float32))
-    return Texture(tuple(layers), mm, (width, height))
+        cells = layer.field.astype(np.float32) / np.float32(pad.levels - 1)
+        cell_px = [layer.cell_mm * pad.scale[k] / mm[k] for k in range(2)]
+        wide = kernels_pattern.blurred_cells(np.ascontiguousarray(cells.T), cell_px[0], sigma, w)
+        wide = np.ascontiguousarray(wide.T)
+        layers.append(kernels_pattern.blurred_cells(wide, cell_px[1], sigma, h))
+    return Texture(np.stack(layers), mm, (width, height))
 
 
-def on_pad(pose: MovingPose, rays: Array, moment: Array) -> tuple[Array, Array]:
-    """Where rays meet the pad (N, 2), mm, and their directions (N, 3) in the pad frame."""
-    s = moment[:, None]
-    turned = rays if pose.still else rays + s * cross(np.broadcast_to(pose.turn, rays.shape), rays)
-    direction = turned @ pose.pose.rotation.T
-    centre = pose.pose.position_mm + s * pose.shift_mm
-    reach = -centre[:, 2] / direction[:, 2]
-    return centre[:, :2] + reach[:, None] * direction[:, :2], direction
-
-
-def by_pose(pose: MovingPose, rays: Array, direction: Array) -> Array:
-    """Change of the points on the pad with the pose, (N, 2, 6): centre, then turn."""
-    height = float(pose.pose.position_mm[2])
-    dx, dy, dz = direction.T
-    out = np.zeros((len(rays), 2, 6))
-    out[:, 0, 0] = out[:, 1, 1] = 1
-    out[:, 0, 2], out[:, 1, 2] = -dx / dz, -dy / dz
-    for k in range(3):
-        axis = np.zeros(3)
-        axis[k] = 1
-        turned = cross(np.broadcast_to(axis, rays.shape), rays) @ pose.pose.rotation.T
-        out[:, 0, 3 + k] = height / dz * (-turned[:, 0] + dx / dz * turned[:, 2])
-        out[:, 1, 3 + k] = height / dz * (-turned[:, 1] + dy / dz * turned[:, 2])
-    return out
-
-
-def look_up(texture: Texture, layer: NDArray[np.float32], points: Array) -> tuple[Array, Array]:
-    """Brightness (N,) at pad points, and its slope (N, 2) per mm of X and Y."""
-    from padstudio.vision import kernels
-
-    x, y = texture.coordinates(points)
-    value, slope = kernels.look_up(layer, x, y)
-    return value, slope / np.array([texture.mm[0], -texture.mm[1]])
+def on_pad(pose: Pose, rays: Array) -> Array:
+    """Where rays (N, 3) meet the pad, (N, 2) mm."""
+    direction = rays @ pose.rotation.T
+    reach = -pose.position_mm[2] / direction[:, 2]
+    return np.asarray(pose.position_mm[:2] + reach[:, None] * direction[:, :2])

@@ -12,6 +12,7 @@ from padstudio.vision.types import Array
 
 # Poses nearer to each other than this are one.
 _ALIKE_DEG = 0.05
+_MOST_STEPS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,8 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
         (_polished(points_mm, rays, start) for start in starts), key=lambda item: item[0]
     )
     error, pose = found[0]
+    if not np.isfinite(error):
+        return None
     for other_error, other in found[1:]:
         if rotation_angle_deg(pose.rotation, other.rotation) > _ALIKE_DEG:
             return PlanarPose(pose, min(1.0, error / max(other_error, 1e-12)), other, error)
@@ -131,14 +134,15 @@ def _from_homography(points_mm: Array, rays: Array) -> list[Pose]:
 
 def _polished(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pose]:
     """Least squares from a closed-form pose: root mean square on the plane z = 1, and the pose."""
-    rvec, tvec = cv2.solvePnPRefineLM(
-        points_mm, rays, np.eye(3), None, pose.rvec.copy(), pose.tvec_mm.copy()
+    from padstudio.vision import kernels_fit
+
+    squares, rotation, centre = kernels_fit.fit_points(
+        np.ascontiguousarray(points_mm, float),
+        np.ascontiguousarray(rays, float),
+        np.ascontiguousarray(pose.rotation),
+        np.asarray(pose.position_mm, float),
+        _MOST_STEPS,
     )
-    rotation = np.asarray(cv2.Rodrigues(rvec)[0], float)
-    refined = Pose.from_T_camera_pad(rotation, np.asarray(tvec, float))
-    seen = (points_mm - refined.position_mm) @ refined.rotation
-    if not np.isfinite(seen).all() or refined.position_mm[2] <= 0 or (seen[:, 2] <= 0).any():
-        refined = pose
-        seen = (points_mm - pose.position_mm) @ pose.rotation
-    off = seen[:, :2] / seen[:, 2:] - rays
-    return float(np.sqrt((off**2).sum(axis=1).mean())), refined
+    if not np.isfinite(squares) or centre[2] <= 0:
+        return np.inf, pose
+    return float(np.sqrt(squares / len(points_mm))), Pose(centre, rotation)

@@ -7,6 +7,7 @@ first asked for, and only from the level below it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -40,7 +41,7 @@ class Plane:
 
     Attributes
     ----------
-    values : (h, w) float32
+    values : (h, w) float32 or uint8
     channel : {"red", "green", "blue"}
     level : int
         Each level halves the frame; 0 is the frame's own scale.
@@ -48,7 +49,7 @@ class Plane:
         Where the part begins, pixels of that level.
     """
 
-    values: NDArray[np.float32]
+    values: NDArray[Any]
     channel: Channel
     level: int
     x0: int
@@ -109,11 +110,20 @@ class Pyramid:
         return self._levels[number]
 
     def plane(self, channel: Channel, level: int, box: Box | None = None) -> Plane:
-        """One channel of a part of the frame at one scale."""
-        image = self.level(level)
-        box = box or self.box
-        x0, y0 = box.x0 >> level, box.y0 >> level
-        x1, y1 = -(-box.x1 >> level), -(-box.y1 >> level)
-        part = image[y0:y1, x0:x1]
+        """One channel of a part of the frame at one scale, (h, w) float32."""
+        part, x0, y0 = self._part(level, box or self.box)
         values = cv2.extractChannel(part, BGR_INDEX[channel]).astype(np.float32)
         return Plane(values, channel, level, x0, y0)
+
+    def window(self, channel: Channel, level: int) -> Plane:
+        """One channel of the whole frame at one scale as it lies in memory, (h, w) uint8.
+
+        Costs nothing, so it is for those who look at few of the pixels.
+        """
+        part, x0, y0 = self._part(level, self.box)
+        return Plane(part[:, :, BGR_INDEX[channel]], channel, level, x0, y0)
+
+    def _part(self, level: int, box: Box) -> tuple[Image, int, int]:
+        x0, y0 = box.x0 >> level, box.y0 >> level
+        x1, y1 = -(-box.x1 >> level), -(-box.y1 >> level)
+        return self.level(level)[y0:y1, x0:x1], x0, y0

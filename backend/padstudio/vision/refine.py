@@ -1,8 +1,11 @@
 """Stage `pose`, second half: all borders, all visible layers, least squares with covariance.
 
 Each border's measured point must lie on the border's predicted line; the distance is measured on
-the plane z = 1, undistorted. A rolling shutter reads rows one after another, so a second model
-lets the pose change steadily from top to bottom; it is taken only where the residuals ask for it.
+the plane z = 1, undistorted. With p the border's point in the camera frame, x = p/z its picture
+and n the normal of the border's picture, the distance is (ray − x)·n; from p = Rᵀ(P − C) follow
+dp/dC = −Rᵀ and, for a turn w of the camera, dp = −w × p. A rolling shutter reads rows one after
+another, so a second model lets the pose change steadily from top to bottom; it is taken only
+where the residuals ask for it.
 """
 
 from __future__ import annotations
@@ -11,11 +14,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
 from padstudio.vision.borders import Measured
 from padstudio.vision.covariance import (
     newton_share,
@@ -39,6 +42,7 @@ _CLIMB = 8
 # The moving model must lower the sum of squares by this many variances, six being free.
 _MOTION_GAIN = 40.0
 _CHANCE_GAIN = 6.0
+_LEAST_BORDERS, _LEAST_INLIERS = 12, 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,47 +105,47 @@ def fit_pose(
     Fit or None
         None where fewer than twelve borders were measured, or they leave the pose undetermined.
     """
-    from padstudio.vision import kernels
+    from padstudio.vision import kernels_fit
 
-    if len(measured.xy) < 12:
+    if len(measured.xy) < _LEAST_BORDERS:
         return None
     rays = camera.normalize(measured.xy)
     moment = start.moment(camera, measured.xy[:, 1])
     size = 12 if motion else 6
     prior = MotionPrior.of(start, known, size)
-    pose, sigma = (start if motion else MovingPose(start.pose)), 1.0
-    for _ in range(iterations):
-        rows = _linearize(pose, measured, rays, moment, camera.focal_px)
-        sigma = _scale(rows[:, 0], measured.weight)
-        trust = _trust(rows[:, 0], measured.weight, sigma)
-        normal, right = kernels.normal_equations(rows, moment, trust, size)
-        normal += np.diag(prior.weight)
-        # numpy.linalg.solve takes several times as long for so small a matrix.
-        solved, solution = cv2.solve(normal, (right + prior.pull(pose))[:, None])
-        if not solved:
-            return None
-        step = np.asarray(solution, float).ravel()
-        if not np.isfinite(step).all():
-            return None
-        pose = pose.moved(step)
-    rows = _linearize(pose, measured, rays, moment, camera.focal_px)
+    begin = start if motion else MovingPose(start.pose)
+    solved, rotation, centre, shift, turn, rows, sigma = kernels_fit.fit(
+        measured.borders.points_mm,
+        measured.borders.along_mm,
+        rays,
+        moment,
+        measured.weight,
+        np.ascontiguousarray(begin.pose.rotation),
+        begin.pose.position_mm,
+        begin.shift_mm,
+        begin.turn,
+        prior.weight,
+        prior.expected,
+        camera.focal_px,
+        iterations,
+    )
     residual = rows[:, 0]
     inliers = np.abs(residual) < 4 * sigma
-    if inliers.sum() < 10:
+    if not solved or not np.isfinite(residual).all() or inliers.sum() < _LEAST_INLIERS:
         return None
     trust = measured.weight[inliers]
     rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
 
     def find_covariance() -> Array:
-        trust = _trust(residual, measured.weight, sigma)
-        normal = kernels.normal_equations(rows, moment, trust, 12)[0]
+        trust = kernels_fit.trust_of(residual, measured.weight, sigma)
+        normal = kernels_fit.normal_equations(rows, moment, trust, 12)[0]
         robust = trust * sigma**2 / np.maximum(measured.weight, 1e-12)
         normal *= newton_share(robust, measured.weight)
         jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
         scores = sums_by_tile(jacobian * (trust * residual)[:, None], tiles_of(measured.xy))
         return prior.covariance(normal, scores, rolling=rolling)
 
-    return Fit(pose, rms, inliers, find_covariance)
+    return Fit(MovingPose(Pose(centre, rotation), shift, turn), rms, inliers, find_covariance)
 
 
 def better_of(still: Fit, moving: Fit | None) -> Fit:
@@ -213,44 +217,3 @@ class MotionPrior:
             pull = np.column_stack([pull, normal[:size, _CLIMB] * self.climb_sigma])
         inner = normal[:size, :size] + np.diag(self.weight)
         return pose_covariance(inner, scores, pull)[:6, :6]
-
-
-def _linearize(
-    pose: MovingPose, measured: Measured, rays: Array, moment: Array, focal_px: float
-) -> Array:
-    """Distances of measured points from predicted borders, px, and their change with the pose.
-
-    With p the border's point in the camera frame, x = p/z its picture and n the normal of the
-    border's picture, the distance is (ray − x)·n. From p = Rᵀ(P − C) follow dp/dC = −Rᵀ and, for a
-    turn w of the camera, dp = −w × p.
-
-    Returns
-    -------
-    (N, 7) float64
-        Distance, then its change with the centre (mm, pad) and the turn (radians, camera).
-    """
-    from padstudio.vision import kernels
-
-    rows = kernels.linearize(
-        measured.borders.points_mm,
-        measured.borders.along_mm,
-        rays,
-        moment,
-        np.ascontiguousarray(pose.pose.rotation),
-        pose.pose.position_mm,
-        pose.shift_mm,
-        pose.turn,
-    )
-    return rows * focal_px
-
-
-def _trust(residual: Array, weight: Array, sigma: float) -> Array:
-    """Inverse variances of residuals, those that stand out trusted little."""
-    return np.asarray(weight / (1 + (residual / (2.5 * sigma)) ** 2) ** 2 / sigma**2)
-
-
-def _scale(residual: Array, weight: Array) -> float:
-    """Robust standard deviation: the median of |residual| of trusted points over 0.6745."""
-    size = np.abs(residual[weight > 0.3 * weight.max()])
-    middle = len(size) // 2
-    return max(float(np.partition(size, middle)[middle]) / 0.6745, 1e-3)
