@@ -10,64 +10,18 @@ what the page of a flight asks for, one address after the other. Other work on t
 from __future__ import annotations
 
 import argparse
-import base64
-import contextlib
 import json
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import httpx
 import numpy as np
+from studio_server import LANDING, OPEN, order, serving
 
-FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
-OPEN = ("queued", "running")
 # So often a page looks while it follows a flight; others ask between.
 PAUSE_S = 0.02
-
-
-@contextlib.contextmanager
-def server(data: Path) -> Iterator[httpx.Client]:
-    """A client of a server that is ended with the context."""
-    program = Path(sys.executable).with_name("padstudio")
-    command = [program, "serve", "--port", "0", "--data", data]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    try:
-        assert process.stderr is not None
-        address = process.stderr.readline().split()[2]
-        with httpx.Client(base_url=address, timeout=60, trust_env=False) as client:
-            yield client
-    finally:
-        process.terminate()
-        process.communicate(timeout=60)
-
-
-def order(client: httpx.Client, flights: int) -> list[str]:
-    """Addresses of flights of one video."""
-
-    def store(address: str, path: Path) -> str:
-        answer = client.post(address, files={"file": (path.name, path.read_bytes())})
-        return str(answer.raise_for_status().json()["id"])
-
-    video = FOOTAGE / "flights" / "landing.mp4"
-    headers = {
-        "Tus-Resumable": "1.0.0",
-        "Upload-Length": str(video.stat().st_size),
-        "Upload-Metadata": f"filename {base64.b64encode(video.name.encode()).decode()}",
-        "Content-Type": "application/offset+octet-stream",
-    }
-    upload = client.post("/api/v1/uploads", headers=headers, content=video.read_bytes())
-    wanted = {
-        "uploads": [upload.raise_for_status().json()["id"]],
-        "pad": store("/api/v1/pads/import", FOOTAGE / "pad_a.json"),
-        "camera": store("/api/v1/cameras", FOOTAGE / "camera_drone_2k7.yaml"),
-    }
-    made = [client.post("/api/v1/flights", json=wanted).raise_for_status() for _ in range(flights)]
-    return [answer.headers["Location"] for answer in made]
 
 
 def measure(client: httpx.Client, flights: list[str], seconds: float) -> dict[str, list[float]]:
@@ -103,8 +57,8 @@ def main() -> None:
     parser.add_argument("--flights", type=int, default=20, help="enough to last that long")
     parser.add_argument("--json", type=Path, help="write the figures to this file")
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder, server(Path(folder) / "data") as client:
-        flights = order(client, given.flights)
+    with tempfile.TemporaryDirectory() as folder, serving(Path(folder) / "data") as (client, _):
+        flights = order(client, LANDING, given.flights)
         taken = measure(client, flights, given.seconds)
     taken["all"] = [ms for each in taken.values() for ms in each]
     report: dict[str, Any] = {}

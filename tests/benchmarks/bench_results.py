@@ -91,7 +91,7 @@ def fill(sessions: Sessions, frames: int) -> FlightRow:
 def queries(sessions: Sessions, flight: FlightRow, frames: int) -> dict[str, Callable[[], Any]]:
     """What the page of a flight and scripts ask for, each at a place of its own."""
     random = np.random.default_rng(1)
-    results, charts = Results(sessions), FigureRows(sessions)
+    results = Results(sessions)
 
     def page(limit: int = 50, **wanted: Any) -> Callable[[], Any]:
         chosen = FrameFilter(**wanted)
@@ -107,7 +107,7 @@ def queries(sessions: Sessions, flight: FlightRow, frames: int) -> dict[str, Cal
 
     def part() -> Any:
         first = int(random.integers(max(1, frames - 20_000)))
-        return charts.timeline(flight, 800, first, first + 20_000)
+        return FigureRows(sessions).timeline(flight, 800, first, first + 20_000)
 
     return {
         "one frame": lambda: results.frame(flight, int(random.integers(frames))),
@@ -123,8 +123,8 @@ def queries(sessions: Sessions, flight: FlightRow, frames: int) -> dict[str, Cal
         "page by time": within,
         "page backwards": back,
         "timeline, a part": part,
-        "timeline, whole": lambda: charts.timeline(flight, 800),
-        "figures": lambda: charts.figures(flight),
+        "timeline, whole": lambda: FigureRows(sessions).timeline(flight, 800),
+        "figures": lambda: FigureRows(sessions).figures(flight),
         "summary": lambda: Summaries(sessions).of(flight),
     }
 
