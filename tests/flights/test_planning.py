@@ -53,6 +53,11 @@ def test_ranges_and_strides(first: int, end: int | None, stride: int, video: Pat
     assert numbers(found, stride) == list(range(first, min(end or 100, 100), stride))
 
 
+def test_chunks_are_shorter_where_frames_between_are_decoded_too(video: Path) -> None:
+    found = plan(video, stride=5)
+    assert [(chunk.first_frame, chunk.frames) for chunk in found.chunks] == [(0, 10), (50, 10)]
+
+
 def test_videos_follow_each_other_in_frames_and_time(video: Path) -> None:
     found = plan(video, video)
     assert numbers(found) == list(range(200))

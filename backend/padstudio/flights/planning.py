@@ -17,6 +17,7 @@ from padstudio.geometry import camera_files
 
 # A chunk's first frame is looked for in the whole picture, which costs as much as several others.
 _LEAST_FRAMES = 30
+_LEAST_STRIDED_FRAMES = 10
 _SHORT_FLIGHT_CHUNKS = 8
 
 
@@ -149,6 +150,8 @@ class PlanTask:
     ) -> Iterator[ChunkPlan]:
         # Short flights are parted too, so that all workers have something to do.
         size = min(self.chunk_frames, max(_LEAST_FRAMES, total // _SHORT_FLIGHT_CHUNKS))
+        # Frames between those asked for are decoded as well.
+        video_size = min(size, max(_LEAST_STRIDED_FRAMES, size // self.stride))
         end = total if self.end_frame is None else min(self.end_frame, total)
         wanted = np.arange(self.first_frame, max(end, self.first_frame), self.stride)
         stills: list[int] = []
@@ -158,7 +161,7 @@ class PlanTask:
             if place not in indices:
                 stills += mine.tolist()
                 continue
-            for numbers in _by_keyframe(mine - first, indices[place].keyframes, size):
+            for numbers in _by_keyframe(mine - first, indices[place].keyframes, video_size):
                 pts = indices[place].pts[numbers].astype("<i8").tobytes()
                 yield ChunkPlan(place, int(numbers[0]) + first, len(numbers), pts)
         # Stills take longer than frames of a video, which are tracked.
