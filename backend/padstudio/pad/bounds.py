@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.field_spec import FieldSpec
+from padstudio.pad.sequence import can_cut
 
 Outlook = Literal["easy", "long", "impossible"]
 
@@ -80,7 +81,9 @@ def bounds(spec: FieldSpec) -> Bounds:
         outlook: Outlook = "impossible"
     else:
         easy = _EASY_LOAD.get(spec.distance, _EASY_LOAD_BEYOND)
-        outlook = "easy" if load(spec) <= easy else "long"
+        # Of small windows, few sequences are at hand, and none may do.
+        sure = spec.window > 3 and can_cut(spec)
+        outlook = "easy" if sure or load(spec) <= easy else "long"
     return Bounds(possible, allowed, at_most, spec.windows, share, side, outlook)
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from padstudio.errors import SpecError
 from padstudio.pad.bounds import check_possible, uses_table
 from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Method, Unique, Watch
+from padstudio.pad.sequence import can_cut, cut_field
 from padstudio.pad.spec import MAX_CELLS, Layer, Pad
 from padstudio.pad.verify import least_distance, lines_visible
 
@@ -164,9 +165,13 @@ def generate_pad(
 
 
 def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
+    if can_cut(spec):
+        field = cut_field(spec, watch)
+        if field is not None:
+            return field
     # Numba takes half a second to import: only who generates pays for it.
     if uses_table(spec):
-        from padstudio.pad.row_search import search_field
+        from padstudio.pad.table_search import search_field
 
         return search_field(spec, watch)
     from padstudio.pad.growth import grow_field

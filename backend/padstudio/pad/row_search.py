@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from padstudio.pad.bounds import bounds, ruled_out
-from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Watch
+from padstudio.pad.field_spec import FieldSpec, Watch
 from padstudio.pad.jit import draw, jit
 from padstudio.pad.row_walk import start, sweep, walk
 from padstudio.pad.rows import I16, I32, I64, U8, U64, board, give_back
@@ -25,7 +25,20 @@ _CODES = 50_000
 
 
 @jit
-def _fill(
+def _read_lines(row: int, field: U8, lines: I64, levels: int) -> None:
+    """Enter the lines of the b - 1 rows above one."""
+    b = lines.shape[0]
+    per = levels**b
+    for i in range(b - 1):
+        line = 0
+        for col in range(field.shape[1]):
+            line = (line * levels + field[row - b + 1 + i, col]) % per
+            if col >= b - 1:
+                lines[i, col - b + 1] = line
+
+
+@jit
+def fill(
     row: int,
     field: U8,
     taken: U64,
@@ -49,12 +62,7 @@ def _fill(
     """Fill a row below b - 1 others, or leave it as it was."""
     b, across = lines.shape
     per = value.shape[1] * levels
-    for i in range(b - 1):
-        line = 0
-        for col in range(field.shape[1]):
-            line = (line * levels + field[row - b + 1 + i, col]) % per
-            if col >= b - 1:
-                lines[i, col - b + 1] = line
+    _read_lines(row, field, lines, levels)
     number = (row - b + 1) * across
     starts[number] = counts[1]
     first, last, farthest, tries = 0, across, -1, 0
@@ -64,9 +72,7 @@ def _fill(
             bias, state,
         )  # fmt: skip
         if first == 0 and not start(row, field, value, levels, visible, b):
-            give_back(starts[number], counts[1], taken, free, per, journal)
-            counts[1] = starts[number]
-            return False
+            break
         reached = walk(
             first, row, field, taken, free, turned, journal, starts, lines, value, choice, reach,
             offsets, levels, distance, counts,
@@ -87,7 +93,7 @@ def _fill(
 
 
 @jit
-def _top_row(row: int, field: U8, levels: int, visible: bool, b: int, state: U64) -> None:
+def top_row(row: int, field: U8, levels: int, visible: bool, b: int, state: U64) -> None:
     """Fill a row that completes no window."""
     run = 0
     for col in range(field.shape[1]):
@@ -130,9 +136,9 @@ def search(
         if row == field.shape[0]:
             break
         if row < b - 1:
-            _top_row(row, field, levels, visible, b, state)
+            top_row(row, field, levels, visible, b, state)
             counts[0] += 1
-        elif _fill(
+        elif fill(
             row, field, taken, free, turned, journal, starts, lines, value, choice, reach, offsets,
             levels, distance, visible, scarce, bias, state, counts,
         ):  # fmt: skip
@@ -154,36 +160,45 @@ def search(
     return int(counts[0])
 
 
-def search_field(spec: FieldSpec, watch: Watch) -> U8:
-    """Search a field row by row.
+def rule(spec: FieldSpec) -> tuple[int, int]:
+    """Costs of scarce and of biased cells for a spec."""
+    if bounds(spec).outlook == "easy" or spec.cols > _SHORT_ROW:
+        return _SCARCE, 0
+    return _SCARCE_TIGHT, _BIAS if spec.distance == 1 else _BIAS_AT_DISTANCE
 
-    Returns
-    -------
-    (rows, cols) uint8
 
-    Raises
-    ------
-    FieldSearchError
-        Where the budget ends first, with the rows reached at best.
+class RowSearch:
+    """A search row by row that can be gone on with.
+
+    Attributes
+    ----------
+    reached : int
+        Rows filled at best.
+    best : (rows, cols) uint8
+        A field that has them.
     """
-    made = board(spec)
-    scarce, bias = _SCARCE, 0
-    if bounds(spec).outlook == "long" and spec.cols <= _SHORT_ROW:
-        scarce, bias = _SCARCE_TIGHT, _BIAS if spec.distance == 1 else _BIAS_AT_DISTANCE
-    codes = spec.cols * spec.turns * ruled_out(spec)
-    fills = max(1, _CODES // codes)
-    while True:
-        row = search(*made, spec.levels, spec.distance, spec.visible_lines, scarce, bias, fills)
-        if row == spec.rows:
-            return made.field
-        if watch.spent(row / spec.rows):
-            break
-    reached = int(made.counts[4])
-    if row > reached:
-        made.best[:row], reached = made.field[:row], row
-    raise FieldSearchError(
-        f"the search reached {reached} of {spec.rows} rows of {spec.cols} cells in "
-        f"{watch.elapsed_s:.0f} s: give it more time, or take a smaller field, a lesser distance, "
-        "a larger window or more levels",
-        made.best[:reached].copy() if reached >= spec.window else None,
-    )
+
+    def __init__(self, spec: FieldSpec) -> None:
+        self._spec = spec
+        self._board = board(spec)
+        self._costs = rule(spec)
+        codes = spec.cols * spec.turns * ruled_out(spec)
+        self._fills = max(1, _CODES // codes)
+        self.reached, self.best = 0, self._board.field
+
+    def run(self, watch: Watch, rounds: int) -> bool:
+        """Search on for a number of rounds; true once it is whole, or time is spent."""
+        spec, made = self._spec, self._board
+        for _ in range(rounds):
+            row = search(
+                *made, spec.levels, spec.distance, spec.visible_lines, *self._costs, self._fills
+            )
+            deepest = int(made.counts[4])
+            self.reached, self.best = max((row, made.field), (deepest, made.best), key=_rows)
+            if row == spec.rows or watch.spent(row / spec.rows):
+                return True
+        return False
+
+
+def _rows(reached: tuple[int, U8]) -> int:
+    return reached[0]
