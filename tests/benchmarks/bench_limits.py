@@ -67,7 +67,7 @@ def main() -> None:
             cell = pad.layers[0].cell_mm
             for tilt in TILTS_DEG:
                 extent = view.extent_per_height(tilt)
-                shorter = focal * cell * np.cos(np.radians(tilt)) ** 2
+                shorter = focal * cell * np.cos(np.radians(tilt)) ** 1.5
                 for what, at, heights in (
                     (
                         "cells across",

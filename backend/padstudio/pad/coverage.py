@@ -57,8 +57,11 @@ class View:
         return self.extent_per_height(tilt_deg) * height_mm / cell_mm
 
     def cell_px(self, cell_mm: float, height_mm: float, tilt_deg: float = 0.0) -> float:
-        """Pixels along the shorter side of a cell on the optical axis."""
-        return self.focal_px * cell_mm * math.cos(_radians(tilt_deg)) ** 2 / height_mm
+        """Width in pixels of a cell on the optical axis: the geometric mean of its two sides.
+
+        Tilt shrinks one side by cos θ, as it lies farther away, and the other by cos² θ.
+        """
+        return self.focal_px * cell_mm * math.cos(_radians(tilt_deg)) ** 1.5 / height_mm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +73,7 @@ class ReadLimits:
     cells_across : float or None
         Least cells across the picture; None is the pad's window.
     cell_px : float
-        Least pixels along a cell's shorter side.
+        Least width of a cell, pixels, as of `View.cell_px`.
     """
 
     cells_across: float | None = None
@@ -83,10 +86,10 @@ class ReadLimits:
             raise SpecError("the limits of reading are numbers above 0")
 
 
-#: What the detector's methods need, as found in simulated daylight (docs/simulation.md).
+#: What the detector's methods need, as found in simulated daylight by tests/benchmarks/bench_limits.py.
 METHOD_LIMITS: dict[Method, ReadLimits] = {
-    "dense": ReadLimits(cells_across=4.4, cell_px=4.6),
-    "paper": ReadLimits(cells_across=6.5, cell_px=36.0),
+    "dense": ReadLimits(cells_across=4.1, cell_px=4.2),
+    "paper": ReadLimits(cells_across=5.0, cell_px=28.0),
 }
 
 
