@@ -54,6 +54,16 @@ def worker(tls: dict[str, str], address: str) -> Iterator[subprocess.Popen[bytes
 
 
 @contextlib.contextmanager
+def plain_worker(tls: dict[str, str], address: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Dask's own ``dask worker`` with one process."""
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
+    command += ["--nworkers", "1", "--nthreads", "1"]
+    command += ["--tls-ca-file", tls["ca"], "--tls-cert", tls["cert"], "--tls-key", tls["key"]]
+    with running(command) as process:
+        yield process
+
+
+@contextlib.contextmanager
 def running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     """A process that is ended with the context."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

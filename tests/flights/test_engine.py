@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import queue
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import cluster_processes
 import engine_jobs
@@ -119,16 +120,14 @@ def test_addresses_without_encryption_are_refused(address: str) -> None:
     assert caught.value.error_code == "invalid_setting"
 
 
-def test_workers_of_the_command_line_join_a_scheduler(tmp_path: Path) -> None:
+@pytest.mark.parametrize("worker", [cluster_processes.worker, cluster_processes.plain_worker])
+def test_workers_join_a_scheduler(worker: Callable[..., Any], tmp_path: Path) -> None:
     tls = cluster_processes.certificates(tmp_path)
     with cluster_processes.scheduler(tls, tmp_path) as (_, address), importable(HERE):
         options = EngineOptions(
             scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
         )
-        with (
-            cluster_processes.worker(tls, address) as process,
-            contextlib.closing(Engine(options)) as engine,
-        ):
+        with worker(tls, address) as process, contextlib.closing(Engine(options)) as engine:
             outcome = Desk(engine).run(engine_jobs.Say(8))
             assert outcome.kind == "value"
             assert outcome.value[0] == 8
