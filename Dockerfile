@@ -27,7 +27,7 @@ ENV PATH=/opt/padstudio/.venv/bin:$PATH \
     PYTHONUNBUFFERED=1
 USER padstudio
 # What Numba compiles is kept in NUMBA_CACHE_DIR.
-RUN python -m padstudio.vision.warm
+RUN python -m padstudio.warm
 WORKDIR /data
 VOLUME /data
 EXPOSE 8000

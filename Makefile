@@ -45,7 +45,7 @@ $(STAMPS)/lock: requirements.lock $(STAMPS)/uv
 
 $(STAMPS)/package: pyproject.toml $(STAMPS)/lock
 	$(VENV)/bin/uv pip install --quiet --python $(PYTHON) --no-deps --no-build-isolation -e .
-	$(PYTHON) -m padstudio.vision.warm
+	$(PYTHON) -m padstudio.warm
 	@touch $@
 
 run: install

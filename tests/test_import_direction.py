@@ -19,6 +19,7 @@ ALLOWED = {
     "simulate": {"pad", "geometry", "render"},
     "flights": {"pad", "geometry", "vision", "render"},
     "web": {"pad", "geometry", "vision", "render", "simulate", "flights", "resources"},
+    "warm": {"pad", "vision"},
     "cli": {"pad", "geometry", "vision", "render", "simulate", "flights", "web", "resources"},
 }
 

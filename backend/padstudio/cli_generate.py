@@ -38,6 +38,13 @@ def generate(
     distance: Annotated[
         int, typer.Option(help="Cells in which any two windows differ, at least.")
     ] = 3,
+    visible_lines: Annotated[
+        bool,
+        typer.Option(
+            "--visible-lines",
+            help="Every window has a level change across each of its inner lines.",
+        ),
+    ] = False,
     method: Annotated[
         Literal["auto", "growth"], typer.Option(help="auto, or growth: the paper's.")
     ] = "auto",
@@ -64,6 +71,7 @@ def generate(
             quiet_mm=quiet_mm,
             unique=unique,
             distance=distance,
+            visible_lines=visible_lines,
             method=method,
             seed=seed,
             budget_s=budget_s,

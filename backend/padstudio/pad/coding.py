@@ -129,23 +129,7 @@ def generate_pad(
         method=method,
         seed=seed,
     )
-    if not 1 <= ratio <= min(rows, cols):
-        raise SpecError(
-            f"ratio is {ratio}; it must be 1 (red layer only) … {min(rows, cols)} cells",
-            detail={"field": "ratio"},
-        )
-    if ratio > 1 and min(rows, cols) // ratio < window:
-        raise SpecError(
-            f"a ratio of {ratio} leaves a blue layer of {rows // ratio} x {cols // ratio} cells, "
-            f"less than one {window} x {window} window: take a ratio of at most "
-            f"{min(rows, cols) // window}, or 1 for the red layer only",
-            detail={"field": "ratio"},
-        )
-    if max(rows, cols) > MAX_CELLS:
-        raise SpecError(
-            f"{rows} x {cols} cells; a pad has at most {MAX_CELLS} a side",
-            detail={"field": "rows" if rows > MAX_CELLS else "cols"},
-        )
+    _check_layers(spec, ratio)
     red = generate_field(spec, budget_s=budget_s, progress=progress, cancel=cancel)
     layers = [Layer("red", cell_mm, red)]
     if ratio > 1:
@@ -161,7 +145,30 @@ def generate_pad(
         method=method,
         unique=unique,
         distance=distance,
+        visible_lines=visible_lines,
     )
+
+
+def _check_layers(spec: FieldSpec, ratio: int) -> None:
+    """Raise SpecError where a pad cannot have a red layer of a spec and a blue one of its ratio."""
+    side, window = min(spec.rows, spec.cols), spec.window
+    if not 1 <= ratio <= side:
+        raise SpecError(
+            f"ratio is {ratio}; it must be 1 (red layer only) … {side} cells",
+            detail={"field": "ratio"},
+        )
+    if ratio > 1 and side // ratio < window:
+        raise SpecError(
+            f"a ratio of {ratio} leaves a blue layer of {spec.rows // ratio} x "
+            f"{spec.cols // ratio} cells, less than one {window} x {window} window: take a ratio "
+            f"of at most {side // window}, or 1 for the red layer only",
+            detail={"field": "ratio"},
+        )
+    if max(spec.rows, spec.cols) > MAX_CELLS:
+        raise SpecError(
+            f"{spec.rows} x {spec.cols} cells; a pad has at most {MAX_CELLS} a side",
+            detail={"field": "rows" if spec.rows > MAX_CELLS else "cols"},
+        )
 
 
 def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:

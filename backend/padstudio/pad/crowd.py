@@ -41,7 +41,7 @@ def crowd_field(spec: FieldSpec, watch: Watch, width: int) -> tuple[int, U8]:
     first = board(spec)._replace(state=random_state(spec.seed, width))
     scarce, bias = rule(spec)
     offsets = np.empty(spec.window**2 * (spec.levels - 1), np.int64)
-    left, right = _columns(spec.window, spec.levels)
+    left, right = columns(spec.window, spec.levels)
     crowd = [_child(first) for _ in range(width)]
     for member in crowd:
         for row in range(spec.window - 1):
@@ -73,7 +73,7 @@ def _child(parent: Board) -> Board:
     )
 
 
-def _columns(b: int, levels: int) -> tuple[I32, I32]:
+def columns(b: int, levels: int) -> tuple[I32, I32]:
     """For every code, the number of its left and of its right b − 1 columns."""
     left, right = (np.zeros(levels ** (b * b), np.int32) for _ in range(2))
     lines = np.arange(len(left), dtype=np.int32)

@@ -64,6 +64,8 @@ def to_dict(pad: Pad) -> dict[str, Any]:
         "quiet_mm": pad.quiet_mm,
     }
     data |= {key: getattr(pad, key) for key in _OPTIONAL if getattr(pad, key) is not None}
+    if pad.visible_lines:
+        data["visible_lines"] = True
     if pad.scale != (1.0, 1.0):
         data["scale"] = list(pad.scale)
     if pad.crosstalk is not None:
@@ -100,6 +102,7 @@ def from_dict(data: Any) -> Pad:
         method=_optional_text(data, "method"),
         unique=_unique(data),
         distance=_optional_integer(data, "distance"),
+        visible_lines=_truth(data, "visible_lines"),
         scale=_scale(data),
         crosstalk=data.get("crosstalk"),
     )
@@ -172,6 +175,13 @@ def _integer(data: dict[str, Any], key: str) -> int:
     value = data.get(key)
     if isinstance(value, bool) or not isinstance(value, int):
         raise PadFormatError(f"{key} is {value!r}; it must be a whole number")
+    return value
+
+
+def _truth(data: dict[str, Any], key: str) -> bool:
+    value = data.get(key, False)
+    if not isinstance(value, bool):
+        raise PadFormatError(f"{key} is {value!r}; it must be true or false")
     return value
 
 

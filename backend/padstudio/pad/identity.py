@@ -103,6 +103,8 @@ def describe(pad: Pad) -> dict[str, Any]:
         "quiet_mm": pad.quiet_mm,
     }
     spec |= {key: getattr(pad, key) for key in _OPTIONAL if getattr(pad, key) is not None}
+    if pad.visible_lines:
+        spec["visible_lines"] = True
     spec["layers"] = [
         {
             "channel": layer.channel,

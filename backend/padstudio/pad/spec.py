@@ -103,6 +103,8 @@ class Pad:
         The uniqueness that the pad was generated for; None where unknown.
     distance : int or None
         The least Hamming distance of two windows that it was generated for; None where unknown.
+    visible_lines : bool
+        Whether it was generated for a level change across each inner grid line of every window.
     scale : (x, y)
         Measured size of the print over its nominal size; 1.0 until somebody measured.
     crosstalk : 3 rows of 3 numbers, or None
@@ -119,6 +121,7 @@ class Pad:
     method: str | None = None
     unique: Literal["rotation", "plain"] | None = None
     distance: int | None = None
+    visible_lines: bool = False
     scale: tuple[float, float] = field(default=(1.0, 1.0))
     crosstalk: Matrix | None = None
 

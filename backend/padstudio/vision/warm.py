@@ -1,7 +1,6 @@
-"""Compiles the detector's inner loops ahead: ``python -m padstudio.vision.warm``.
+"""Compiles the detector's inner loops ahead, by a small pad that it reads.
 
-The first detection after an installation would otherwise take some seconds longer. The machine
-code is kept on disk, so that one process warms all later ones.
+The machine code is kept on disk, so that one process warms all later ones.
 """
 
 from __future__ import annotations
@@ -55,7 +54,3 @@ def _frame(pad: Pad, cell_px: float) -> Image:
         borderValue=(110, 110, 110),
     )
     return np.asarray(cv2.GaussianBlur(frame, (0, 0), 0.8), np.uint8)
-
-
-if __name__ == "__main__":
-    warm_up()

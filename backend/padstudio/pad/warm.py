@@ -1,0 +1,15 @@
+"""Compiles the loops of coding ahead, by one small field of every method."""
+
+from __future__ import annotations
+
+from padstudio.pad.coding import generate_field
+from padstudio.pad.field_spec import FieldSpec, Watch
+
+
+def warm_up() -> None:
+    """Generate and prove small fields by rows, by a crowd and by growth at random."""
+    from padstudio.pad.crowd import crowd_field
+
+    generate_field(FieldSpec(rows=12, cols=12))
+    generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))
+    crowd_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1)
