@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 
 import numpy as np
 import pytest
@@ -29,6 +30,8 @@ SPECS = [
     {"rows": 25, "cols": 30, "window": 6, "distance": 4},
     {"rows": 20, "cols": 20, "window": 8, "levels": 16, "distance": 1},
     {"rows": 40, "cols": 40, "window": 5, "distance": 1, "unique": "plain"},
+    {"rows": 40, "cols": 50, "window": 3, "levels": 4, "distance": 1, "unique": "plain"},
+    {"rows": 40, "cols": 50, "window": 4, "distance": 2, "unique": "plain"},
     {"rows": 50, "cols": 50, "window": 4, "distance": 1, "unique": "plain"},
     {"rows": 30, "cols": 30, "window": 5, "distance": 2, "visible_lines": True},
     {"rows": 30, "cols": 30, "window": 7, "distance": 1, "visible_lines": True},
@@ -96,6 +99,7 @@ def test_any_small_spec_is_met_or_refused(
         ({"rows": 40, "cols": 50, "distance": 1, "method": "growth"}, "6104d3de1195f938"),
         ({"rows": 40, "cols": 50, "window": 7, "seed": 5}, "3dc1bba073980dda"),
         ({"rows": 92, "cols": 92, "window": 4, "distance": 1}, "b4f916028c59f456"),
+        ({"rows": 90, "cols": 80, "distance": 1, "unique": "plain"}, "e8d7d7c36277992a"),
     ],
 )
 def test_same_spec_and_seed_give_the_same_field_in_every_version(
@@ -165,12 +169,18 @@ def test_absurd_pads_are_refused_by_name(kind: dict[str, object], words: str) ->
 
 
 @pytest.mark.parametrize("method", ["auto", "growth"])
-def test_a_spent_budget_ends_with_a_verified_part(method: str) -> None:
+def test_a_spent_budget_ends_with_a_verified_part(
+    method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A clock that goes on by 0.1 s at each look: 20 looks, however fast the machine.
+    clock = itertools.count()
+    monkeypatch.setattr("padstudio.pad.field_spec.time.monotonic", lambda: 0.1 * next(clock))
     spec = FieldSpec(rows=400, cols=60, distance=3, method=method)  # type: ignore[arg-type]
     with pytest.raises(FieldSearchError) as caught:
-        generate_field(spec, budget_s=1.5)
+        generate_field(spec, budget_s=2.0)
     part = caught.value.field
     assert part is not None
+    assert 5 <= part.shape[0] < 400
     assert part.shape[1] == 60
     assert caught.value.detail == {"rows": part.shape[0], "cols": 60}
     assert int(nearest_distances(part[:40], 5, rotation=True).min()) >= 3

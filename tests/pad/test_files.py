@@ -33,6 +33,7 @@ def pads(draw):
         method=draw(st.none() | st.just("growth")),
         unique=draw(st.sampled_from([None, "rotation", "plain"])),
         distance=draw(st.none() | st.integers(1, 4)),
+        visible_lines=draw(st.booleans()),
         scale=draw(st.tuples(st.floats(0.5, 2), st.floats(0.5, 2))),
     )
 
@@ -44,6 +45,7 @@ def test_what_is_written_is_read_back(pad):
     assert files.dumps(back) == text
     for key in ("window", "levels", "quiet_mm", "name", "seed", "method", "unique", "distance"):
         assert getattr(back, key) == getattr(pad, key)
+    assert back.visible_lines == pad.visible_lines
     assert back.scale == pad.scale
     for one, other in zip(back.layers, pad.layers, strict=True):
         assert (one.channel, one.cell_mm) == (other.channel, other.cell_mm)
@@ -102,6 +104,7 @@ def layer(**values):
         ({"quiet_mm": "wide"}, "quiet_mm is 'wide'; it must be a number"),
         ({"quiet_mm": 10**400}, "quiet_mm is too large"),
         ({"unique": "maybe"}, "unique is 'maybe'"),
+        ({"visible_lines": "yes"}, "visible_lines is 'yes'; it must be true or false"),
         ({"scale": [1]}, "scale must be a number, or two"),
         ({"scale": ["1", "1"]}, "scale must be a number, or two"),
         (layer(channel="pink"), "unknown channel 'pink'"),

@@ -28,6 +28,14 @@ def nearest_distances(
     return nearest
 
 
+def all_differ(field: NDArray[np.uint8], window: int, *, rotation: bool) -> bool:
+    """Whether no two windows, nor one and itself turned, are equal: quicker than distances."""
+    upright = all_windows(field, window)
+    turned = [np.rot90(upright, turn, (1, 2)) for turn in range(4 if rotation else 1)]
+    every = np.concatenate(turned).reshape(len(turned) * len(upright), -1)
+    return len(np.unique(every, axis=0)) == len(every)
+
+
 def lines_visible(field: NDArray[np.uint8], window: int) -> bool:
     """Whether every window has a level change across each of its inner grid lines."""
     windows = all_windows(field, window).astype(int)

@@ -1,0 +1,38 @@
+"""The search over a table: rows first, a crowd where they fail, the largest part where time ends."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+
+import pytest
+
+from pad.windows import all_differ
+from padstudio.pad import table_search
+from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Watch
+
+
+def test_a_crowd_takes_over_where_rows_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table_search, "_ROUNDS", 0)
+    monkeypatch.setattr(table_search, "_WIDTH", 4)
+    spec = FieldSpec(rows=90, cols=90, window=4, distance=1)
+    field = table_search.search_field(spec, Watch(60))
+    assert field.shape == (90, 90)
+    assert all_differ(field, 4, rotation=True)
+    # The same in every version: seeds name pads that are printed.
+    assert hashlib.sha256(field.tobytes()).hexdigest()[:16] == "3a64882f2a7f23cc"
+
+
+def test_where_time_ends_the_largest_part_is_handed_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A clock that goes on by 0.1 s at each look: enough for rows and a part of a crowd.
+    clock = itertools.count()
+    monkeypatch.setattr("padstudio.pad.field_spec.time.monotonic", lambda: 0.1 * next(clock))
+    monkeypatch.setattr(table_search, "_ROUNDS", 5)
+    spec = FieldSpec(rows=125, cols=125, window=4, distance=1)
+    with pytest.raises(FieldSearchError, match="reached .* of 125 rows of 125 cells") as caught:
+        table_search.search_field(spec, Watch(60))
+    part = caught.value.field
+    assert part is not None
+    assert 40 < part.shape[0] < 125
+    assert f"reached {part.shape[0]} of" in str(caught.value)
+    assert all_differ(part, 4, rotation=True)
