@@ -4,19 +4,15 @@
  * @typedef {import("./queueLogic.js").Frame} Frame
  * @typedef {import("./viewportLogic.js").Viewport} Viewport
  *
- * @typedef {object} State
- * @property {import("./api.js").PadSummary[]} pads
- * @property {import("./api.js").CameraSummary[]} stored  cameras
- * @property {import("./api.js").CameraSummary[]} presets
- * @property {string} pad  chosen id
- * @property {string} camera  chosen id
- * @property {string} method
+ * @typedef {object} OwnState
  * @property {Frame[]} frames
  * @property {string | null} selectedId
  * @property {string | null} stage  enlarged
  * @property {string} wish  the channel that is enlarged, or "both"
  * @property {Viewport | null} viewport  of the enlarged picture
  * @property {import("./components/status.js").Status} status
+ *
+ * @typedef {import("./scene.js").Scene & OwnState} State
  */
 
 import { readAddress, writeAddress } from "./address.js";
@@ -32,6 +28,7 @@ import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } fr
 import { makeIntake } from "./intake.js";
 import * as queue from "./queueLogic.js";
 import { makeReader } from "./reader.js";
+import { sceneFrom } from "./scene.js";
 import { arrangeStages, channelsOf, resultCards, stagesOf } from "./stagesLogic.js";
 import { viewportFromText, viewportToText } from "./viewportLogic.js";
 
@@ -41,12 +38,7 @@ const maxBytes = Number(byId("drop-zone").dataset.maxBytes);
 
 /** @type {State} */
 const state = {
-  pads: [],
-  stored: [],
-  presets: [],
-  pad: address.get("pad") ?? "",
-  camera: address.get("camera") ?? "",
-  method: address.get("method") === "paper" ? "paper" : "dense",
+  ...sceneFrom(address),
   frames: [],
   selectedId: null,
   stage: address.get("stage"),

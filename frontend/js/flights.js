@@ -3,19 +3,15 @@
  *
  * @typedef {import("./flightsApi.js").Flight} Flight
  *
- * @typedef {object} State
- * @property {import("./api.js").PadSummary[]} pads
- * @property {import("./api.js").CameraSummary[]} stored  cameras
- * @property {import("./api.js").CameraSummary[]} presets
- * @property {string} pad  chosen id
- * @property {string} camera  chosen id
- * @property {string} method
+ * @typedef {object} OwnState
  * @property {import("./uploadsLogic.js").Item[]} items  files of the new flight
  * @property {boolean} ordered  starts as soon as all files are there
  * @property {Flight[]} flights
  * @property {number | null} total  of them; null until it is known
  * @property {number} limit  of those that are shown
  * @property {import("./components/status.js").Status} status
+ *
+ * @typedef {import("./scene.js").Scene & OwnState} State
  */
 
 import { readAddress, writeAddress } from "./address.js";
@@ -30,6 +26,7 @@ import { isOpen } from "./flightLogic.js";
 import * as flightsApi from "./flightsApi.js";
 import { makeIntake } from "./intake.js";
 import { missingOrder, rangeFault, rangeValues } from "./orderLogic.js";
+import { sceneFrom } from "./scene.js";
 import { makeUploadQueue } from "./uploadQueue.js";
 import { readyIds, totals } from "./uploadsLogic.js";
 
@@ -41,12 +38,7 @@ const IDLE_MS = 10_000;
 
 /** @type {State} */
 const state = {
-  pads: [],
-  stored: [],
-  presets: [],
-  pad: address.get("pad") ?? "",
-  camera: address.get("camera") ?? "",
-  method: address.get("method") === "paper" ? "paper" : "dense",
+  ...sceneFrom(address),
   items: [],
   ordered: false,
   flights: [],

@@ -3,13 +3,7 @@
  *
  * @typedef {Record<string, string>} Texts
  *
- * @typedef {object} State
- * @property {import("./api.js").PadSummary[]} pads
- * @property {import("./api.js").CameraSummary[]} stored  cameras
- * @property {import("./api.js").CameraSummary[]} presets
- * @property {string} pad  chosen id
- * @property {string} camera  chosen id
- * @property {string} method
+ * @typedef {object} OwnState
  * @property {import("./coverageLogic.js").CoverageChart | null} chart
  * @property {Texts} wish  the form of wanted heights
  * @property {import("./planApi.js").Advice | null} advice
@@ -26,6 +20,8 @@
  * @property {{name: string, note: string}[]} looks
  * @property {string[]} grounds
  * @property {import("./components/status.js").Status} status
+ *
+ * @typedef {import("./scene.js").Scene & OwnState} State
  */
 
 import { readAddress, writeAddress } from "./address.js";
@@ -39,18 +35,14 @@ import { makeIntake } from "./intake.js";
 import * as planApi from "./planApi.js";
 import { DEFAULT_MAP, DEFAULT_WISH, fromQuery, parseMap, parseWish, toQuery } from "./planLogic.js";
 import { makePlanView } from "./planView.js";
+import { sceneFrom } from "./scene.js";
 import { makeSimulator } from "./simulator.js";
 
 const address = readAddress();
 
 /** @type {State} */
 const state = {
-  pads: [],
-  stored: [],
-  presets: [],
-  pad: address.get("pad") ?? "",
-  camera: address.get("camera") ?? "",
-  method: address.get("method") === "paper" ? "paper" : "dense",
+  ...sceneFrom(address),
   chart: null,
   wish: fromQuery(address, DEFAULT_WISH, ""),
   advice: null,

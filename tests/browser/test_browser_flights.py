@@ -74,7 +74,7 @@ def test_frame_by_frame(open_page: Callable[..., Page], flight_path: str) -> Non
     _at_frame(page, 15)
     box = track.bounding_box()
     assert box
-    page.mouse.click(box["x"] + box["width"] * 3.5 / FRAMES, box["y"] + 20)
+    track.click(position={"x": box["width"] * 3.5 / FRAMES, "y": 20})
     _at_frame(page, 3)
     page.get_by_label("Frame", exact=True).last.fill("20")
     page.keyboard.press("Enter")
