@@ -61,7 +61,7 @@ class View:
 
         Tilt shrinks one side by cos θ, as it lies farther away, and the other by cos² θ.
         """
-        return self.focal_px * cell_mm * math.cos(_radians(tilt_deg)) ** 1.5 / height_mm
+        return self.focal_px * cell_mm * math.pow(math.cos(_radians(tilt_deg)), 1.5) / height_mm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +86,7 @@ class ReadLimits:
             raise SpecError("the limits of reading are numbers above 0")
 
 
-#: What the detector's methods need, as found in simulated daylight by tests/benchmarks/bench_limits.py.
+#: What the detector's methods need, as tests/benchmarks/bench_limits.py finds it in daylight.
 METHOD_LIMITS: dict[Method, ReadLimits] = {
     "dense": ReadLimits(cells_across=4.1, cell_px=4.2),
     "paper": ReadLimits(cells_across=5.0, cell_px=28.0),

@@ -6,6 +6,7 @@ The file form lives in `padstudio.pad.files`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -181,17 +182,17 @@ class Pad:
         """The layer in a channel, or None."""
         return next((layer for layer in self.layers if layer.channel == channel), None)
 
-    @property
+    @cached_property
     def width_mm(self) -> float:
         """Nominal width without the quiet margin, mm."""
         return max(layer.width_mm for layer in self.layers)
 
-    @property
+    @cached_property
     def height_mm(self) -> float:
         """Nominal height without the quiet margin, mm."""
         return max(layer.height_mm for layer in self.layers)
 
-    @property
+    @cached_property
     def size_mm(self) -> tuple[float, float]:
         """Measured width and height without the quiet margin, mm: nominal times `scale`."""
         return self.width_mm * self.scale[0], self.height_mm * self.scale[1]

@@ -133,9 +133,10 @@ def measure(
     """
     from padstudio.vision import kernels
 
-    middle = pose.project(camera, borders.points_mm)
-    side = pose.project(camera, borders.points_mm + 0.2 * borders.along_mm) - middle
-    cell = (pose.project(camera, borders.points_mm + 0.05 * borders.across_mm) - middle) * 20
+    middle, side, cell = pose.project_borders(
+        camera, borders.points_mm, 0.2 * borders.along_mm, 0.05 * borders.across_mm
+    )
+    cell *= 20
     size = np.hypot(cell[:, 0], cell[:, 1])
     tangent = side / np.maximum(np.hypot(side[:, 0], side[:, 1]), 1e-9)[:, None]
     normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)

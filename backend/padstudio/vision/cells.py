@@ -131,14 +131,14 @@ def _reach_in(
     edge = cv2.dilate(seen.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool) & ~seen
     if not edge.any():
         return
-    for away in _OFF_CENTRE:
-        at = to_pixels(grid[edge] + away)
-        here = _within(pyramid, at)
-        rows, cols = (axis[here] for axis in np.nonzero(edge))
-        xy[rows, cols], seen[rows, cols] = at[here], True
-        edge[rows, cols] = False
-        if not edge.any():
-            return
+    rows, cols = np.nonzero(edge)
+    tried = (grid[rows, cols][:, None] + _OFF_CENTRE).reshape(-1, 2)
+    at = to_pixels(tried).reshape(len(rows), len(_OFF_CENTRE), 2)
+    here = _within(pyramid, at)
+    first = here.argmax(axis=1)
+    found = here.any(axis=1)
+    xy[rows[found], cols[found]] = at[found, first[found]]
+    seen[rows[found], cols[found]] = True
 
 
 def _cell_width(xy: Array, seen: NDArray[np.bool_]) -> float:

@@ -91,13 +91,35 @@ class MovingPose:
             pixels = _project(camera, self.to_camera(points_mm, moment))
         return pixels
 
+    def project_borders(
+        self, camera: Camera, points_mm: Array, along_mm: Array, across_mm: Array
+    ) -> tuple[Array, Array, Array]:
+        """Frame pixels (N, 2) of pad points, and of two small steps (N, 3) from each of them."""
+        if camera.model != "radtan":
+            middle = self.project(camera, points_mm)
+            along, across = (
+                self.project(camera, points_mm + step) - middle for step in (along_mm, across_mm)
+            )
+            return middle, along, across
+        from padstudio.vision import kernels
+
+        return kernels.project_borders(
+            np.ascontiguousarray(points_mm, float),
+            np.ascontiguousarray(along_mm, float),
+            np.ascontiguousarray(across_mm, float),
+            *self._plain(camera),
+        )
+
     def _project_radtan(self, camera: Camera, points_mm: Array) -> Array:
         from padstudio.vision import kernels
 
+        return kernels.project(np.ascontiguousarray(points_mm, float), *self._plain(camera))
+
+    def _plain(self, camera: Camera) -> tuple[Array, Array, Array, Array, Array, Array, int, int]:
+        """The pose and a radial-tangential lens as the compiled loops take them."""
         lens = np.zeros(8)
         lens[: len(camera.distortion)] = camera.distortion
-        return kernels.project(
-            np.ascontiguousarray(points_mm, float),
+        return (
             np.ascontiguousarray(self.pose.rotation),
             self.pose.position_mm,
             self.shift_mm,

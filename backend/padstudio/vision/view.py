@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from padstudio.geometry.camera import Camera
@@ -24,11 +26,7 @@ def visible_range(
     rows, cols : (first, last + 1)
         Empty ranges where the frame does not meet the layer.
     """
-    x = np.linspace(-0.5, camera.width - 0.5, _GRID)
-    y = np.linspace(-0.5, camera.height - 0.5, _GRID)
-    pixels = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    normalized = camera.normalize(pixels)
-    rays = np.column_stack([normalized, np.ones(len(normalized))]) @ pose.rotation.T
+    rays = _rays(camera) @ pose.rotation.T
     rays = rays[rays[:, 2] < -_LEAST_DROP]
     if not len(rays):
         return (0, 0), (0, 0)
@@ -40,6 +38,15 @@ def visible_range(
         pose.position_mm[1] + reach * rays[:, 1],
     )
     return _span(row, layer.rows), _span(column, layer.cols)
+
+
+@lru_cache(maxsize=8)
+def _rays(camera: Camera) -> Array:
+    """Rays (N, 3) spread evenly over a camera's frame."""
+    x = np.linspace(-0.5, camera.width - 0.5, _GRID)
+    y = np.linspace(-0.5, camera.height - 0.5, _GRID)
+    normalized = camera.normalize(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
+    return np.column_stack([normalized, np.ones(len(normalized))])
 
 
 def to_lattice(pad: Pad, layer: Layer, x_mm: Array, y_mm: Array) -> tuple[Array, Array]:
