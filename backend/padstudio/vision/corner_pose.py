@@ -7,9 +7,8 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
+from padstudio.vision.planar import least_squares
 from padstudio.vision.types import Array, Reason, StageFailure, Uncertainty
-
-_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-12)
 
 
 def corner_residuals(pose: Pose, camera: Camera, points_mm: Array, xy: Array) -> Array:
@@ -37,35 +36,6 @@ def corner_sigma_px(residuals: Array, known_px: float) -> float:
     return max(known_px, float(np.sqrt((residuals**2).sum() / max(freedom, 1))))
 
 
-def polish(pose: Pose, points_mm: Array, rays: Array) -> Pose:
-    """The pose nearby with the least reprojection error of a few corners.
-
-    A closed-form planar pose reads tilt off foreshortening, which from straight above is the
-    square root of the corners' error; least squares uses the perspective as well.
-
-    Parameters
-    ----------
-    pose : Pose
-    points_mm : (N, 3) float64
-        Pad frame.
-    rays : (N, 2) float64
-        Their pictures on the plane z = 1, undistorted.
-    """
-    rvec, tvec = cv2.solvePnPRefineLM(
-        points_mm.reshape(-1, 1, 3),
-        rays.reshape(-1, 1, 2),
-        np.eye(3),
-        None,
-        pose.rvec.reshape(3, 1).copy(),
-        pose.tvec_mm.reshape(3, 1).copy(),
-        _STOP,
-    )
-    rotation = np.asarray(cv2.Rodrigues(rvec)[0], float)
-    polished = Pose.from_T_camera_pad(rotation, np.asarray(tvec, float))
-    sound = np.isfinite(polished.position_mm).all() and polished.position_mm[2] > 0
-    return polished if sound else pose
-
-
 def corner_covariance(
     pose: Pose, camera: Camera, points_mm: Array, xy: Array, sigma_px: float
 ) -> Array:
@@ -79,10 +49,10 @@ def corner_covariance(
     (6, 6) float64
         Centre (mm, pad frame), then attitude (radians, about the camera's axes).
     """
-    start = polish(pose, points_mm, camera.normalize(xy))
+    start = least_squares(points_mm, camera.normalize(xy), pose)[1]
     covariance = np.zeros((6, 6))
     for move in sigma_px * np.concatenate([np.eye(xy.size), -np.eye(xy.size)]):
-        moved = polish(start, points_mm, camera.normalize(xy + move.reshape(xy.shape)))
+        moved = least_squares(points_mm, camera.normalize(xy + move.reshape(xy.shape)), start)[1]
         turn = cv2.Rodrigues(start.rotation.T @ moved.rotation)[0].ravel()
         off = np.concatenate([moved.position_mm - start.position_mm, turn])
         covariance += np.outer(off, off) / 2

@@ -22,7 +22,6 @@ from padstudio.vision.corner_pose import (
     corner_covariance,
     corner_residuals,
     corner_sigma_px,
-    polish,
 )
 from padstudio.vision.evidence import judge
 from padstudio.vision.measure import LayerRead
@@ -168,7 +167,7 @@ def outline_pose(
         planar = planar_pose(points_mm, outline.corners_rays)
         if planar is None:
             continue
-        pose = polish(planar.pose, points_mm, outline.corners_rays)
+        pose = planar.pose
         for layer in pad.layers:
             read = _read(pyramid, camera, pad, layer, pose)
             if read is not None and (best is None or _rank(read) < _rank(best[0])):

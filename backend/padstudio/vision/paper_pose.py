@@ -14,7 +14,6 @@ from padstudio.vision.corner_pose import (
     corner_covariance,
     corner_residuals,
     corner_sigma_px,
-    polish,
     unsure,
 )
 from padstudio.vision.paper_decode import WindowRead
@@ -100,9 +99,7 @@ def window_pose(
     if planar is None:
         detail = "the four corners leave the pose undetermined"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
-    answers = [
-        polish(pose, points_mm, rays) for pose in (planar.pose, planar.other) if pose is not None
-    ]
+    answers = [pose for pose in (planar.pose, planar.other) if pose is not None]
     offsets = [_off_lattice(pad, camera, read, pose) for pose in answers]
     best = int(np.argmin(offsets))
     if not offsets[best] < _MOST_OFF:

@@ -60,7 +60,7 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
     if not starts:
         return None
     found = sorted(
-        (_polished(points_mm, rays, start) for start in starts), key=lambda item: item[0]
+        (least_squares(points_mm, rays, start) for start in starts), key=lambda item: item[0]
     )
     error, pose = found[0]
     if not np.isfinite(error):
@@ -132,8 +132,18 @@ def _from_homography(points_mm: Array, rays: Array) -> list[Pose]:
     return [pose] if pose.position_mm[2] > 0 else []
 
 
-def _polished(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pose]:
-    """Least squares from a closed-form pose: root mean square on the plane z = 1, and the pose."""
+def least_squares(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pose]:
+    """The pose nearby with the least reprojection error.
+
+    A closed-form planar pose reads tilt off foreshortening, which from straight above is the
+    square root of the points' error; least squares uses the perspective as well.
+
+    Returns
+    -------
+    rms : float
+        On the plane z = 1; infinite where there is no such pose, which then is the given one.
+    pose : Pose
+    """
     from padstudio.vision import kernels_fit
 
     squares, rotation, centre = kernels_fit.fit_points(
