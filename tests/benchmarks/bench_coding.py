@@ -50,9 +50,11 @@ QUICK: list[tuple[dict[str, Any], int, float]] = [
 LONG: list[tuple[dict[str, Any], int, float]] = [
     ({"distance": 1}, 1950, 60),
     ({"window": 4, "distance": 1}, 100, 60),
+    ({"window": 4, "distance": 1}, 101, 60),
     ({"distance": 3}, 140, 60),
     ({"distance": 4}, 55, 60),
     (PLAIN, 5000, 60),
+    (PLAIN, 5796, 60),
 ]
 
 
@@ -79,7 +81,7 @@ def measure(kind: dict[str, Any], side: int, budget_s: float) -> dict[str, Any]:
 
 
 def measure_index(side: int) -> dict[str, Any]:
-    field = generate_field(FieldSpec(rows=side, cols=side, window=6, distance=1))
+    field = generate_field(FieldSpec(rows=side, cols=side, window=6, distance=1), budget_s=200)
     start = time.perf_counter()
     index = WindowIndex(field, 6, 2)
     build_s = time.perf_counter() - start

@@ -28,6 +28,7 @@ SPECS = [
     {"rows": 6, "cols": 6, "window": 2, "levels": 4, "distance": 1},
     {"rows": 20, "cols": 12, "window": 2, "levels": 16, "distance": 2},
     {"rows": 25, "cols": 30, "window": 6, "distance": 4},
+    {"rows": 40, "cols": 40, "window": 6, "distance": 7},
     {"rows": 20, "cols": 20, "window": 8, "levels": 16, "distance": 1},
     {"rows": 40, "cols": 40, "window": 5, "distance": 1, "unique": "plain"},
     {"rows": 40, "cols": 50, "window": 3, "levels": 4, "distance": 1, "unique": "plain"},

@@ -14,6 +14,7 @@ def test_warming_compiles_every_loop() -> None:
         rows._take_symmetric,
         crowd.openness,
         growth.grow,
+        growth.take_back,
         verify_near.compare_runs,
     ]
     assert [f.__name__ for f in entered if not f.signatures] == []  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""The search over a table: rows first, a crowd where they fail, the largest part where time ends."""
+"""The search over a table: rows first, a crowd where they fail, the largest part at the end."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_where_time_ends_the_largest_part_is_handed_back(monkeypatch: pytest.Mon
     monkeypatch.setattr("padstudio.pad.field_spec.time.monotonic", lambda: 0.1 * next(clock))
     monkeypatch.setattr(table_search, "_ROUNDS", 5)
     spec = FieldSpec(rows=125, cols=125, window=4, distance=1)
-    with pytest.raises(FieldSearchError, match="reached .* of 125 rows of 125 cells") as caught:
+    with pytest.raises(FieldSearchError, match=r"reached \d+ of 125 rows of 125 cells") as caught:
         table_search.search_field(spec, Watch(60))
     part = caught.value.field
     assert part is not None

@@ -5,18 +5,20 @@
 3. Down: one random row of b cells at a time; each completes one window.
 4. The rest in reading order, one random cell at a time; each completes one window.
 
-Whatever is added is drawn again where its window is not allowed. Windows are looked up in hash
-chains over parts of a window: of two windows nearer than d, at least one of d disjoint parts is
-equal (pigeonhole), so one chain a part finds every near window without a table of all windows.
+Whatever is added is drawn again where its window is not allowed (see `chains`).
+
+In the paper a dead end starts again from a new block. A field of millions of windows meets dead
+ends however many windows there are; where the method is free, some steps are taken back instead.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.pad.chains import allowed, chains, displace, place, read_window
 from padstudio.pad.field_spec import FieldSearchError, FieldSpec, Watch
 from padstudio.pad.jit import draw, jit, random_state
 
@@ -24,123 +26,34 @@ U8 = NDArray[np.uint8]
 I32 = NDArray[np.int32]
 U64 = NDArray[np.uint64]
 
-_PRIME = np.uint64(0x100000001B3)
-_OFFSET = np.uint64(0xCBF29CE484222325)
-_S29, _S32 = np.uint64(29), np.uint64(32)
 # Draws of a whole row or column of b cells before it counts as a dead end.
 _DRAWS = 256
+# Dead ends at one place, each of which takes some steps back, before all starts again.
+_PATIENCE = 64
 # Steps between two looks at the watch.
 _STEPS = 20_000
 
 
-class Chains(NamedTuple):
-    """The windows placed so far: per part, hash heads and links of window numbers, -1 for none."""
-
-    heads: NDArray[np.int32]
-    links: NDArray[np.int32]
-
-
-def chains(windows: int, parts: int) -> Chains:
-    """Empty chains for a number of windows, one chain system a part."""
-    size = 1 << max(4, int(windows - 1).bit_length())
-    return Chains(np.full((parts, size), -1, np.int32), np.full((parts, windows), -1, np.int32))
+@jit
+def take_back(field: U8, step: int, until: int, b: int, turns: int, heads: I32, links: I32) -> None:
+    """Undo the steps ``until`` … ``step`` − 1, the last first."""
+    down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
+    cells = np.zeros((turns, b * b), np.uint8)
+    for undone in range(step - 1, until - 1, -1):
+        row, col = _window_of(undone, down, across)
+        read_window(field, row, col, b, turns, cells)
+        displace(row, col, across, heads, links, cells)
 
 
 @jit
-def _read(field: U8, row: int, col: int, b: int, turns: int, cells: U8) -> None:
-    """Copy the window at (row, col) into cells (turns, b²), one line a counter-clockwise turn."""
-    last = b - 1
-    for i in range(b):
-        for j in range(b):
-            level = field[row + i, col + j]
-            cells[0, i * b + j] = level
-            if turns == 4:
-                cells[1, (last - j) * b + i] = level
-                cells[2, (last - i) * b + last - j] = level
-                cells[3, j * b + last - i] = level
-
-
-@jit
-def _bucket(cells: U8, turn: int, part: int, parts: int, mask: int) -> int:
-    """Hash of every ``parts``-th cell of a turned window, from cell ``part`` on."""
-    h = _OFFSET
-    for k in range(part, cells.shape[1], parts):
-        h = (h ^ np.uint64(cells[turn, k])) * _PRIME
-        h ^= h >> _S29
-    return int(np.int64((h ^ (h >> _S32)) & np.uint64(mask)))
-
-
-@jit
-def _lines_visible(cells: U8, b: int) -> bool:
-    """Whether each inner grid line of the upright window has a level change across it."""
-    for line in range(1, b):
-        across_row, across_col = False, False
-        for k in range(b):
-            if cells[0, line * b + k] != cells[0, (line - 1) * b + k]:
-                across_row = True
-            if cells[0, k * b + line] != cells[0, k * b + line - 1]:
-                across_col = True
-        if not (across_row and across_col):
-            return False
-    return True
-
-
-@jit
-def _nearer(cells: U8, turn: int, field: U8, row: int, col: int, b: int, distance: int) -> bool:
-    """Whether a turned window is nearer than ``distance`` to the window of the field at a place."""
-    differing = 0
-    for i in range(b):
-        for j in range(b):
-            if cells[turn, i * b + j] != field[row + i, col + j]:
-                differing += 1
-                if differing >= distance:
-                    return False
-    return True
-
-
-@jit
-def _allowed(
-    field: U8,
-    row: int,
-    col: int,
-    b: int,
-    distance: int,
-    visible: bool,
-    heads: I32,
-    links: I32,
-    cells: U8,
-) -> bool:
-    """Whether the window at (row, col) may stand beside all windows placed; fills ``cells``."""
-    turns, size, mask = cells.shape[0], b * b, heads.shape[1] - 1
-    across = field.shape[1] - b + 1
-    _read(field, row, col, b, turns, cells)
-    if visible and not _lines_visible(cells, b):
-        return False
-    for turn in range(1, min(turns, 3)):
-        differing = 0
-        for k in range(size):
-            if cells[turn, k] != cells[0, k]:
-                differing += 1
-        if differing < distance:
-            return False
-    for turn in range(turns):
-        for part in range(distance):
-            other = int(heads[part, _bucket(cells, turn, part, distance, mask)])
-            while other >= 0:
-                if _nearer(cells, turn, field, other // across, other % across, b, distance):
-                    return False
-                other = int(links[part, other])
-    return True
-
-
-@jit
-def _place(row: int, col: int, across: int, heads: I32, links: I32, cells: U8) -> None:
-    """Enter the upright window of ``cells``, which stands at (row, col), into the chains."""
-    parts, mask, number = heads.shape[0], heads.shape[1] - 1, row * across + col
-    for part in range(parts):
-        bucket = _bucket(cells, 0, part, parts, mask)
-        links[part, number] = heads[part, bucket]
-        heads[part, bucket] = number
+def _window_of(step: int, down: int, across: int) -> tuple[int, int]:
+    """Row and column of the window that a step completes."""
+    if step < across:
+        return 0, step
+    if step < across + down - 1:
+        return step - across + 1, 0
+    rest = step - across - down + 1
+    return 1 + rest // (across - 1), 1 + rest % (across - 1)
 
 
 @jit
@@ -169,8 +82,8 @@ def _extend(
         for i in range(top, row + b):
             for j in range(left, col + b):
                 field[i, j] = (first + attempt) % levels if tries == levels else draw(state, levels)
-        if _allowed(field, row, col, b, distance, visible, heads, links, cells):
-            _place(row, col, field.shape[1] - b + 1, heads, links, cells)
+        if allowed(field, row, col, b, distance, visible, heads, links, cells):
+            place(row, col, field.shape[1] - b + 1, heads, links, cells)
             return True
     return False
 
@@ -205,15 +118,9 @@ def grow(
     down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
     cells = np.zeros((turns, b * b), np.uint8)
     for step in range(first, last):
-        row, col, top, left = 0, 0, 0, 0
-        if 0 < step < across:
-            col, left = step, step + b - 1
-        elif across <= step < across + down - 1:
-            row, top = step - across + 1, step - across + b
-        elif step:
-            rest = step - across - down + 1
-            row, col = 1 + rest // (across - 1), 1 + rest % (across - 1)
-            top, left = row + b - 1, col + b - 1
+        row, col = _window_of(step, down, across)
+        top = row + b - 1 if row else 0
+        left = col + b - 1 if col else 0
         if not _extend(
             field, row, col, top, left, b, levels, distance, visible, heads, links, cells, state
         ):
@@ -222,7 +129,7 @@ def grow(
 
 
 def grow_field(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
-    """Grow a field; a dead end starts again from a new block, with the next random stream.
+    """Grow a field; what dead-ends starts again from a new block, with the next random stream.
 
     Returns
     -------
@@ -234,32 +141,47 @@ def grow_field(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
         Where the budget ends first, with the whole rows of the farthest attempt.
     """
     best, most = None, 0
-    stream = 0
-    while True:
-        field = np.zeros((spec.rows, spec.cols), np.uint8)
-        placed = chains(spec.windows, spec.distance)
-        state = random_state(spec.seed, stream)
-        step, spent = 0, False
-        while not spent:
-            last = min(step + _STEPS, spec.windows)
-            step = grow(
-                field, step, last, spec.window, spec.levels, spec.turns, spec.distance,
-                spec.visible_lines, placed.heads, placed.links, state,
-            )  # fmt: skip
-            spent = watch.spent(step / spec.windows)
-            if step == spec.windows:
-                return field
-            if step < last:
-                break
+    for stream in count():
+        field, step, spent = _attempt(spec, stream, watch)
+        if step == spec.windows:
+            return field
         if step > most:
             best, most = field, step
         if spent:
-            raise FieldSearchError(
-                f"growth dead-ended {stream + 1} times; it completed {most} of {spec.windows} "
-                "windows at best: take a smaller field, a lesser distance, or another method",
-                _whole_rows(best, most, spec),
-            )
-        stream += 1
+            break
+    raise FieldSearchError(
+        f"growth dead-ended {stream} times; it completed {most} of {spec.windows} windows at "
+        "best: take a smaller field, a lesser distance, or another method",
+        _whole_rows(best, most, spec),
+    )
+
+
+def _attempt(spec: FieldSpec, stream: int, watch: Watch) -> tuple[NDArray[np.uint8], int, bool]:
+    """A field, the steps that it completed, and whether time is spent."""
+    field = np.zeros((spec.rows, spec.cols), np.uint8)
+    placed = chains(spec.windows, spec.distance)
+    state = random_state(spec.seed, stream)
+    step, farthest, dead_ends = 0, 0, 0
+    patience = 0 if spec.method == "growth" else _PATIENCE
+    while True:
+        last = min(step + _STEPS, spec.windows)
+        step = grow(
+            field, step, last, spec.window, spec.levels, spec.turns, spec.distance,
+            spec.visible_lines, placed.heads, placed.links, state,
+        )  # fmt: skip
+        spent = watch.spent(step / spec.windows)
+        if step == spec.windows or spent:
+            return field, step, spent
+        if step == last:
+            continue
+        if step > farthest:
+            farthest, dead_ends = step, 0
+        if dead_ends == patience:
+            return field, step, False
+        dead_ends += 1
+        until = max(0, step - spec.window * (dead_ends & -dead_ends))
+        take_back(field, step, until, spec.window, spec.turns, placed.heads, placed.links)
+        step = until
 
 
 def _whole_rows(

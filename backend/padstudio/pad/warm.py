@@ -8,8 +8,11 @@ from padstudio.pad.field_spec import FieldSpec, Watch
 
 def warm_up() -> None:
     """Generate and prove small fields by rows, by a crowd and by growth at random."""
+    from padstudio.pad.chains import chains
     from padstudio.pad.crowd import crowd_field
+    from padstudio.pad.growth import take_back
 
     generate_field(FieldSpec(rows=12, cols=12))
-    generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))
     crowd_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1)
+    grown = generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))
+    take_back(grown, 0, 0, 5, 4, *chains(64, 1))
