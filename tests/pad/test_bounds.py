@@ -61,6 +61,9 @@ def test_the_outlook_tells_easy_from_long() -> None:
     assert bounds(FieldSpec()).outlook == "easy"
     assert bounds(square(140, 5, distance=3)).outlook == "long"
     assert bounds(square(2700, 5)).outlook == "long"
+    # One sequence reaches up to the bound, which growth at random does not.
+    assert bounds(square(5796, 5, unique="plain")).outlook == "easy"
+    assert bounds(square(5796, 5, unique="plain", method="growth")).outlook == "long"
 
 
 def test_distance_lowers_the_bound() -> None:
