@@ -180,12 +180,28 @@ def _pack(field: NDArray[np.uint8], b: int, bits: int, turn: int, cells: NDArray
     down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
     per_word = 64 // bits
     place = np.rot90(np.arange(b * b).reshape(b, b), -turn)
+    if b * b <= per_word and cells.all():
+        return _pack_whole(field, b, bits, place)
     words = np.zeros((-(-b * b // per_word), down, across), np.uint64)
     for i, j in np.argwhere(np.rot90(cells, -turn)):
         word, slot = divmod(int(place[i, j]), per_word)
         level = field[i : i + down, j : j + across].astype(np.uint64)
         words[word] |= level << np.uint64(slot * bits)
     return words.reshape(len(words), -1)
+
+
+def _pack_whole(field: NDArray[np.uint8], b: int, bits: int, place: NDArray[np.int64]) -> U64:
+    """`_pack` of all cells into one word: along the rows first, then down, 2 b sums for b²."""
+    down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
+    in_row, in_col = (line - line.min() for line in (place[0], place[:, 0]))
+    lines = np.zeros((field.shape[0], across), np.uint64)
+    for j in range(b):
+        level = field[:, j : j + across].astype(np.uint64)
+        lines |= level << np.uint64(in_row[j] * bits)
+    words = np.zeros((down, across), np.uint64)
+    for i in range(b):
+        words |= lines[i : i + down] << np.uint64(in_col[i] * bits)
+    return words.reshape(1, -1)
 
 
 def _mixed(words: U64) -> U64:
@@ -225,8 +241,9 @@ def _nearest(
 
 
 def _any_equal(keys: U64) -> bool:
-    ordered = np.sort(keys)
-    return bool((ordered[1:] == ordered[:-1]).any())
+    """Whether two keys are equal; sorts them where they are, as the largest fields fill memory."""
+    keys.sort()
+    return bool((keys[1:] == keys[:-1]).any())
 
 
 def lines_visible(field: NDArray[np.uint8], b: int) -> bool:
