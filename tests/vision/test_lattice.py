@@ -6,7 +6,8 @@ from dense_frames import edges_of, frame_of, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.simulate.camera import corners_px
-from padstudio.vision.directions import find_axes, find_lines
+from padstudio.vision.axes import find_axes
+from padstudio.vision.directions import find_lines
 from padstudio.vision.lattice import find_lattice
 
 

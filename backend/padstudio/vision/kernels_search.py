@@ -15,7 +15,7 @@ from padstudio.vision.types import Array
 def coherence(
     normals: Array, lines: Array, rays: Array, firsts: Array, most_weight: float, least_depth: float
 ) -> NDArray[np.complex128]:
-    """See `padstudio.vision.directions`: one complex coherence a normal, (H,)."""
+    """See `padstudio.vision.axes`: one complex coherence a normal, (H,)."""
     out = np.zeros(len(normals), np.complex128)
     depth = np.empty(len(rays))
     for h in range(len(normals)):
@@ -59,7 +59,7 @@ def climb(
     least_cosine: float,
     least_step_deg: float,
 ) -> Array:
-    """See `padstudio.vision.directions`: the normal (3,) of the nearest maximum of coherence."""
+    """See `padstudio.vision.axes`: the normal (3,) of the nearest maximum of coherence."""
     around, first = np.empty((9, 3)), np.empty((9, 3))
     best = normal.copy()
     step_deg = 6.0
@@ -86,6 +86,63 @@ def climb(
         else:
             best[:] = around[k]
     return best
+
+
+@jit
+def turn_axes(
+    axes: Array, lines: Array, rays: Array, first_cut: float, last_cut: float, steps: int
+) -> Array:
+    """See `padstudio.vision.axes`: axes (3, 3) turned so that edges point along two of them.
+
+    An edge with interpretation-plane normal l, seen along the ray x, is off the picture of axis a
+    by the angle l·a / |x × a|. The squares of the smaller of an edge's two angles are summed over
+    edges, those beyond a cut-off that shrinks from step to step trusted little.
+    """
+    out, cut = axes.copy(), first_cut
+    for _ in range(steps):
+        n00 = n01 = n02 = n11 = n12 = n22 = 1e-9
+        g0 = g1 = g2 = 0.0
+        for e in range(len(rays)):
+            best, b0, b1, b2 = 1e9, 0.0, 0.0, 0.0
+            for k in range(2):
+                a0, a1, a2 = out[k]
+                c0 = rays[e, 1] * a2 - rays[e, 2] * a1
+                c1 = rays[e, 2] * a0 - rays[e, 0] * a2
+                c2 = rays[e, 0] * a1 - rays[e, 1] * a0
+                size = max(math.sqrt(c0 * c0 + c1 * c1 + c2 * c2), 1e-3)
+                l0, l1, l2 = lines[e]
+                angle = (l0 * a0 + l1 * a1 + l2 * a2) / size
+                if abs(angle) < abs(best):
+                    best = angle
+                    b0, b1, b2 = a1 * l2 - a2 * l1, a2 * l0 - a0 * l2, a0 * l1 - a1 * l0
+                    b0, b1, b2 = b0 / size, b1 / size, b2 / size
+            share = 1 / (1 + (best / cut) ** 2)
+            w = share * share
+            n00, n01, n02 = n00 + w * b0 * b0, n01 + w * b0 * b1, n02 + w * b0 * b2
+            n11, n12, n22 = n11 + w * b1 * b1, n12 + w * b1 * b2, n22 + w * b2 * b2
+            g0, g1, g2 = g0 - w * b0 * best, g1 - w * b1 * best, g2 - w * b2 * best
+        m0, m1, m2 = n11 * n22 - n12 * n12, n02 * n12 - n01 * n22, n01 * n12 - n02 * n11
+        determinant = n00 * m0 + n01 * m1 + n02 * m2
+        if not determinant > 1e-12:
+            break
+        m3, m4, m5 = n00 * n22 - n02 * n02, n01 * n02 - n00 * n12, n00 * n11 - n01 * n01
+        w0 = (m0 * g0 + m1 * g1 + m2 * g2) / determinant
+        w1 = (m1 * g0 + m3 * g1 + m4 * g2) / determinant
+        w2 = (m2 * g0 + m4 * g1 + m5 * g2) / determinant
+        for k in range(2):
+            a0, a1, a2 = out[k]
+            out[k, 0] += w1 * a2 - w2 * a1
+            out[k, 1] += w2 * a0 - w0 * a2
+            out[k, 2] += w0 * a1 - w1 * a0
+        # First-order turns drift from right angles; these keep the first axis and the plane.
+        out[0] /= math.sqrt((out[0] ** 2).sum())
+        out[1] -= (out[0] * out[1]).sum() * out[0]
+        out[1] /= math.sqrt((out[1] ** 2).sum())
+        cut = max(last_cut, cut * 0.8)
+    out[2, 0] = out[0, 1] * out[1, 2] - out[0, 2] * out[1, 1]
+    out[2, 1] = out[0, 2] * out[1, 0] - out[0, 0] * out[1, 2]
+    out[2, 2] = out[0, 0] * out[1, 1] - out[0, 1] * out[1, 0]
+    return out
 
 
 @jit

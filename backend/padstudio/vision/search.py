@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel
+from padstudio.vision.axes import find_axes
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.decode import LayerIndex, Placement
-from padstudio.vision.directions import find_axes, find_lines
+from padstudio.vision.directions import find_lines
 from padstudio.vision.edges import EdgeSet, find_edges
 from padstudio.vision.lattice import Lattice, find_lattice
 from padstudio.vision.params import DetectorParams, SearchParams
