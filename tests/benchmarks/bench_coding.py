@@ -48,7 +48,7 @@ QUICK: list[tuple[dict[str, Any], int, float]] = [
     ({"window": 8, "levels": 16, "distance": 1}, 500, 5),
 ]
 LONG: list[tuple[dict[str, Any], int, float]] = [
-    ({"distance": 1}, 1950, 60),
+    ({"distance": 1}, 1900, 60),
     ({"window": 4, "distance": 1}, 100, 60),
     ({"window": 4, "distance": 1}, 101, 60),
     ({"distance": 3}, 140, 60),
