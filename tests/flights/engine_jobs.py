@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from padstudio.errors import SpecError
-from padstudio.flights.tasks import TaskStoppedError
+from padstudio.flights.stopping import TaskStoppedError
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,21 @@ class Break:
 class Die:
     def run(self, stopped: Callable[[], bool]) -> None:
         os.kill(os.getpid(), signal.SIGKILL)
+
+
+def unknown_here() -> None:
+    """What a worker of another version does with a task."""
+    raise ImportError("no such module in this version")
+
+
+class Foreign:
+    """A task that a worker cannot read."""
+
+    def __reduce__(self) -> tuple[Callable[[], None], tuple[()]]:
+        return unknown_here, ()
+
+    def run(self, stopped: Callable[[], bool]) -> None:
+        raise AssertionError("nobody can read it")
 
 
 @dataclass(frozen=True)

@@ -93,6 +93,16 @@ def test_a_defect_is_named(desk: Desk) -> None:
     assert "ZeroDivisionError" in outcome.error["message"]
 
 
+def test_a_worker_that_cannot_read_its_task_says_so_and_lives(desk: Desk) -> None:
+    workers = desk.engine.worker_pids()
+    outcome = desk.run(engine_jobs.Foreign())
+    assert outcome.kind == "refused"
+    assert outcome.error is not None
+    assert outcome.error["code"] == "worker_differs"
+    assert "same version" in outcome.error["message"]
+    assert desk.engine.worker_pids() == workers
+
+
 def test_a_death_is_told_and_another_worker_goes_on(desk: Desk) -> None:
     outcome = desk.run(engine_jobs.Die())
     assert outcome.kind == "crashed"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import pickle
 import threading
 import time
 from collections.abc import Callable
@@ -97,7 +98,7 @@ class Engine:
         """
         client = self._started()
         # Crashes are counted by who calls, chunk by chunk.
-        future = client.submit(perform, task, key, key=key, pure=False, retries=0)
+        future = client.submit(perform, pickle.dumps(task), key, key=key, pure=False, retries=0)
         self._futures[key] = future
         future.add_done_callback(lambda done: self._ended(key, done, ended))
 

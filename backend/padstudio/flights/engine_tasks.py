@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import logging
+import pickle
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from padstudio.errors import StudioError
-from padstudio.flights.tasks import TaskStoppedError
+from padstudio.flights.stopping import TaskStoppedError
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -76,9 +77,20 @@ def configure() -> None:
     )
 
 
-def perform(task: Task, stop: str) -> tuple[str, Any]:
-    """Run a task in a worker; its errors come back as values, as pickling would lose parts."""
+def perform(packed: bytes, stop: str) -> tuple[str, Any]:
+    """Run a pickled task in a worker; errors come back as values, as pickling would lose parts.
 
+    The task is unpickled here, as Dask ends workers that cannot read what they are sent.
+    """
+    try:
+        task: Task = pickle.loads(packed)
+    except Exception as error:
+        logger.exception("a task cannot be read")
+        message = (
+            f"a worker cannot read its task ({error!r}): install the same version of Pad Studio "
+            "on all machines, start the workers again, and try the flight again"
+        )
+        return "refused", {"code": "worker_differs", "message": message, "detail": {}}
     try:
         return "value", task.run(_stop_signal(stop))
     except TaskStoppedError:

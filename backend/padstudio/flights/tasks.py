@@ -18,6 +18,7 @@ import numpy as np
 from padstudio.errors import ImageError, StudioError
 from padstudio.flights import images
 from padstudio.flights.detectors import Recipe, detector_for
+from padstudio.flights.stopping import TaskStoppedError
 from padstudio.flights.storage import read_bytes
 from padstudio.flights.video_frames import VideoPicture, read_frames
 from padstudio.vision.pipeline import Detector
@@ -25,10 +26,6 @@ from padstudio.vision.types import Detection, Image
 
 Record = dict[str, Any]
 logger = logging.getLogger(__name__)
-
-
-class TaskStoppedError(Exception):
-    """The task was told to stop; what it had done is dropped."""
 
 
 @dataclass(frozen=True)
