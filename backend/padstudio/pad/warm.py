@@ -13,6 +13,6 @@ def warm_up() -> None:
     from padstudio.pad.growth import take_back
 
     generate_field(FieldSpec(rows=12, cols=12))
-    crowd_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1)
+    crowd_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1, 1)
     grown = generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))
     take_back(grown, 0, 0, 5, 4, *chains(64, 1))
