@@ -74,7 +74,9 @@ _FOCUSED = """() => {
     .some(x => getComputedStyle(x).outlineStyle !== "none");
   const box = shown.getBoundingClientRect();
   return { tag: e.tagName, id: e.id || e.dataset.ref || e.textContent.trim().slice(0, 20),
-           ring, top: box.top + scrollY, region: e.closest(".panel, header, footer")?.id };
+           ring, top: box.top + scrollY, region: e.closest(".panel, header, footer")?.id,
+           column: [...document.querySelectorAll(".print-columns > *")]
+             .indexOf(e.closest(".print-columns > *")) };
 }"""
 
 
@@ -138,7 +140,7 @@ def test_tab_reaches_everything_in_reading_order_with_a_visible_focus(
     page = open_page(path)
     expect(page.locator("#viewer canvas, #welcome, #order").first).to_be_visible()
     seen: list[dict[str, Any]] = []
-    for _ in range(60):
+    for _ in range(150):
         page.keyboard.press("Tab")
         focus = page.evaluate(_FOCUSED)
         if focus["tag"] == "BODY":
@@ -152,7 +154,9 @@ def test_tab_reaches_everything_in_reading_order_with_a_visible_focus(
     # Each region is left once and for all.
     assert len({*regions}) == len([region for region, _ in groupby(regions)])
     for before, after in pairwise(seen):
-        if before["region"] and before["region"] == after["region"]:
+        # Of columns side by side the left one comes first as a whole.
+        same = before["region"] == after["region"] and before["column"] == after["column"]
+        if before["region"] and same:
             # Neighbours in a row may differ a little in height.
             assert after["top"] >= before["top"] - 40, (before, after)
 

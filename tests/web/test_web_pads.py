@@ -179,7 +179,7 @@ def test_no_other_files(studio: httpx.Client, pad_id: str, refused: Refused) -> 
 
 def test_the_server_answers_while_a_pad_is_generated(tmp_path: Path, refused: Refused) -> None:
     # So near the number of windows that there are that no search ends.
-    hard = {"window": 3, "rows": 24, "cols": 24, "ratio": 1, "unique": "plain", "distance": 1}
+    hard = {"window": 4, "rows": 125, "cols": 125, "ratio": 1, "unique": "rotation", "distance": 1}
     answers: list[httpx.Response] = []
     with running(settings_for(tmp_path, generate_seconds=1.0, max_waiting=0)) as client:
         worker = threading.Thread(
