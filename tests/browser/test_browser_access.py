@@ -73,8 +73,12 @@ _FOCUSED = """() => {
   const ring = [e, shown, e.nextElementSibling].filter(Boolean)
     .some(x => getComputedStyle(x).outlineStyle !== "none");
   const box = shown.getBoundingClientRect();
+  // A list with a scroll bar of its own moves its rows as the focus goes through them.
+  let scrolled = scrollY;
+  for (let p = e.parentElement; p && p !== document.documentElement; p = p.parentElement)
+    scrolled += p.scrollTop;
   return { tag: e.tagName, id: e.id || e.dataset.ref || e.textContent.trim().slice(0, 20),
-           ring, top: box.top + scrollY, region: e.closest(".panel, header, footer")?.id,
+           ring, top: box.top + scrolled, region: e.closest(".panel, header, footer")?.id,
            left: box.left, right: box.right };
 }"""
 
