@@ -175,7 +175,7 @@ def test_a_spent_budget_ends_with_a_verified_part(
 ) -> None:
     # A clock that goes on by 0.1 s at each look: 20 looks, however fast the machine.
     clock = itertools.count()
-    monkeypatch.setattr("padstudio.pad.field_spec.time.monotonic", lambda: 0.1 * next(clock))
+    monkeypatch.setattr("padstudio.pad.field_spec.monotonic", lambda: 0.1 * next(clock))
     spec = FieldSpec(rows=400, cols=60, distance=3, method=method)  # type: ignore[arg-type]
     with pytest.raises(FieldSearchError) as caught:
         generate_field(spec, budget_s=2.0)

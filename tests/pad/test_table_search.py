@@ -26,7 +26,7 @@ def test_a_crowd_takes_over_where_rows_fail(monkeypatch: pytest.MonkeyPatch) -> 
 def test_where_time_ends_the_largest_part_is_handed_back(monkeypatch: pytest.MonkeyPatch) -> None:
     # A clock that goes on by 0.1 s at each look: enough for rows and a part of a crowd.
     clock = itertools.count()
-    monkeypatch.setattr("padstudio.pad.field_spec.time.monotonic", lambda: 0.1 * next(clock))
+    monkeypatch.setattr("padstudio.pad.field_spec.monotonic", lambda: 0.1 * next(clock))
     monkeypatch.setattr(table_search, "_ROUNDS", 5)
     spec = FieldSpec(rows=125, cols=125, window=4, distance=1)
     with pytest.raises(FieldSearchError, match=r"reached \d+ of 125 rows of 125 cells") as caught:

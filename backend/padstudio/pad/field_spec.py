@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from time import monotonic
 from typing import Literal, get_args
 
 import numpy as np
@@ -116,7 +116,7 @@ class Watch:
         progress: Callable[[float], None] | None = None,
         cancel: Callable[[], bool] | None = None,
     ) -> None:
-        self._start = time.monotonic()
+        self._start = monotonic()
         self._budget_s = budget_s
         self._progress = progress
         self._cancel = cancel
@@ -138,7 +138,7 @@ class Watch:
     @property
     def elapsed_s(self) -> float:
         """Wall time since the search began, s."""
-        return time.monotonic() - self._start
+        return monotonic() - self._start
 
 
 class FieldSearchError(SearchExhaustedError):
