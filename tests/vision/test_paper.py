@@ -84,7 +84,7 @@ def test_is_silent_on_bare_ground(detector):
 def test_a_trace_shows_every_stage_of_both_channels_and_changes_nothing(detector, height_mm):
     image = frame_of(look_at_pad(height_mm, tilt_deg=12, heading_deg=50))
     plain, traced = detector.detect(image), detector.detect(image, trace=True)
-    np.testing.assert_array_equal(plain.pose.position_mm, traced.pose.position_mm)
+    np.testing.assert_allclose(plain.pose.position_mm, traced.pose.position_mm, rtol=1e-12)
     names = {(record.name, record.channel) for record in traced.trace.records}
     for channel in ("red", "blue"):
         for stage in ("channel", "block_mean", "clean", "edges", "lines"):
@@ -100,7 +100,7 @@ def test_a_video_is_a_row_of_stills(detector):
     ]
     for tracked, image in zip(detector.track(images), images, strict=True):
         still = detector.detect(image)
-        np.testing.assert_array_equal(tracked.pose.position_mm, still.pose.position_mm)
+        np.testing.assert_allclose(tracked.pose.position_mm, still.pose.position_mm, rtol=1e-12)
 
 
 def test_a_failure_is_the_one_nearest_to_an_answer(detector):
