@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from dense_frames import errors, near_view, sample_pad, small_camera
+from dense_frames import errors, frame_of, near_view, sample_pad, small_camera
 
 from padstudio.errors import CameraMismatchError, ImageError
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.pipeline import Detector
 from padstudio.vision.types import STAGES
 
@@ -106,3 +107,14 @@ def test_a_pad_printed_too_large_is_measured_as_printed():
     large = replace(sample_pad(), scale=(1.02, 1.02))
     found = Detector(large, small_camera()).detect(image)
     np.testing.assert_allclose(found.pose.position_mm, 1.02 * pose.position_mm, atol=2.0)
+
+
+def test_a_layer_that_was_read_is_not_called_unread():
+    """From afar the outline leads to the pose; that lattices show too little is then no news."""
+    pose = look_at_pad(3500.0, tilt_deg=10, heading_deg=25)
+    frame = frame_of(pose, camera=small_camera())
+    found = Detector(sample_pad(), small_camera()).detect(frame, trace=True)
+    assert errors(found.pose, pose)[0] < 2
+    assert found.layer == "blue"
+    assert found.trace.get("outline").failure is None
+    assert [r for r in found.trace.records if r.channel == "blue" and r.failure] == []

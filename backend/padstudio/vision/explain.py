@@ -49,24 +49,27 @@ def explain(
         frame.pyramid, frame.camera, frame.stretch, frame.indices, frame.params, recorder
     )
     widths = {read.layer.channel: read.cells.cell_px for read in reads}
+    agreed = {read.layer.channel for read in reads if read.evidence.suffices(0.0)}
     for channel in frame.indices:
         shown = _level(frame.pyramid, widths.get(channel), level)
         plane = take_channel(frame.pyramid, frame.stretch, channel, shown, region.box)
         binary = recorder.run("block_mean", channel, block_mean, plane, _BLOCKS)
         recorder.run("clean", channel, clean, binary, 2)
-        _run(local, region, shown, channel)
+        _run(local, region, shown, channel, known=channel in agreed)
     for read in reads:
         recorder.note("decode", read.layer.channel, read)
     return recorder
 
 
-def _run(frame: Search, region: Region, level: int, channel: Channel) -> None:
+def _run(frame: Search, region: Region, level: int, channel: Channel, *, known: bool) -> None:
+    """The search in one channel; where its cells are known anyway, it need not find them."""
     found = find(frame, region, level, channel, steep=False)
     if isinstance(found, StageFailure):
-        frame.recorder.note(found.stage, channel, found)
+        if not known:
+            frame.recorder.note(found.stage, channel, found)
         return
     placed = place(frame, found, region)
-    if isinstance(placed, Miss):
+    if isinstance(placed, Miss) and not known:
         frame.recorder.note("decode", channel, placed.failure)
 
 
