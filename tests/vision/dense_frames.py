@@ -7,11 +7,14 @@ from functools import cache
 import numpy as np
 from paper_frames import errors, frame_of, sample_pad, small_camera
 
+from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.imaging import Imaging
+from padstudio.vision.borders import visible_borders
 from padstudio.vision.cells import CellGrid, relative_field
 from padstudio.vision.edges import find_edges
+from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import find_stretch, take_channel
@@ -68,6 +71,20 @@ def recorder():
 
 def params():
     return DetectorParams()
+
+
+def all_borders(pad, layer):
+    """A layer's borders, from a camera that sees all of it."""
+    reach = max(pad.size_mm)
+    camera = Camera(4000, 4000, np.array([[4000.0, 0, 1999.5], [0, 4000.0, 1999.5], [0, 0, 1]]))
+    return visible_borders(pad, layer, camera, MovingPose(look_at_pad(2 * reach)), 10**6)
+
+
+def borders_amid(pad, layer, cells):
+    """Those of `all_borders` within so many cells of the middle, along both axes."""
+    borders = all_borders(pad, layer)
+    near = np.abs(borders.points_mm[:, :2]).max(axis=1) < cells * layer.cell_mm
+    return borders.take(np.flatnonzero(near))
 
 
 def cell_grid(levels, channel="red", column0=0, row0=0, seen=None):

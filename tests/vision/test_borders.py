@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from dense_frames import IDEAL, frame_of, sample_pad, small_camera
+from dense_frames import IDEAL, all_borders, borders_amid, frame_of, sample_pad, small_camera
 from hypothesis import given
 from hypothesis import strategies as st
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.borders import concatenate, layer_borders, measure
+from padstudio.vision.borders import concatenate, measure, visible_borders
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.planes import Pyramid
 
@@ -18,7 +18,7 @@ def test_every_step_of_the_field_is_a_border_where_it_lies(seed, levels):
     rng = np.random.default_rng(seed)
     field = rng.integers(0, levels, (6, 7))
     pad = Pad((Layer("red", 10.0, field),), 2, levels, scale=(1.02, 0.97))
-    borders = layer_borders(pad, pad.layers[0], (0, 6), (0, 7))
+    borders = all_borders(pad, pad.layers[0])
     steps = (np.diff(field, axis=0) != 0).sum() + (np.diff(field, axis=1) != 0).sum()
     assert len(borders.step) == steps
     for side, sign in ((0.5, 1), (-0.5, -1)):
@@ -32,17 +32,24 @@ def test_every_step_of_the_field_is_a_border_where_it_lies(seed, levels):
     np.testing.assert_allclose((borders.across_mm * borders.along_mm).sum(axis=1), 0)
 
 
-def test_a_part_of_a_layer_has_the_borders_within_it():
-    pad = sample_pad()
-    part = layer_borders(pad, pad.layers[1], (3, 9), (5, 12))
-    whole = layer_borders(pad, pad.layers[1], (0, 25), (0, 25))
-    known = {tuple(point) for point in whole.points_mm.round(6)}
-    assert {tuple(point) for point in part.points_mm.round(6)} < known
+def test_borders_in_view_are_those_whose_picture_is_in_the_frame():
+    pad, camera = sample_pad(), small_camera()
+    pose = MovingPose(look_at_pad(350.0, tilt_deg=25, heading_deg=40, target_mm=(150, -90)))
+    every = all_borders(pad, pad.layers[0]).points_mm
+    pixels = pose.project(camera, every)
+    shown = (pixels > 1).all(axis=1) & (pixels < [camera.width - 2, camera.height - 2]).all(axis=1)
+    found = visible_borders(pad, pad.layers[0], camera, pose, 10**6).points_mm
+    assert 100 < len(found) < len(every) / 2
+    assert {tuple(p) for p in found.round(6)} == {tuple(p) for p in every[shown].round(6)}
+    few = visible_borders(pad, pad.layers[0], camera, pose, 300).points_mm
+    assert 150 <= len(few) <= 300
+    assert {tuple(p) for p in few.round(6)} < {tuple(p) for p in found.round(6)}
+    np.testing.assert_allclose(few.mean(axis=0), found.mean(axis=0), atol=40)
 
 
 def measured_in(imaging, pose, reach_px=6.0):
     pad, camera = sample_pad(), small_camera()
-    borders = layer_borders(pad, pad.layers[1], (5, 20), (5, 20))
+    borders = borders_amid(pad, pad.layers[1], 7.5)
     pyramid = Pyramid(frame_of(pose, camera=camera, imaging=imaging))
     plane = pyramid.plane("blue", 0)
     return borders, measure(borders, plane, camera, MovingPose(pose), reach_px)
@@ -69,7 +76,7 @@ def test_borders_out_of_view_are_left_out():
 @pytest.mark.parametrize("most", [1, 7, 50, 10_000])
 def test_thinning_keeps_them_spread(most):
     pad = sample_pad()
-    borders = layer_borders(pad, pad.layers[1], (0, 25), (0, 25))
+    borders = all_borders(pad, pad.layers[1])
     thin = borders.thinned(most)
     assert 0 < len(thin.step) <= max(most, 1) or len(borders.step) <= most
     _, found = measured_in(None, look_at_pad(900.0))

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from padstudio.vision.covariance import (
-    TILES,
-    pose_covariance,
-    sums_by_tile,
-    tiles_of,
-    with_picture_shift,
-)
+from padstudio.vision.covariance import TILES, pose_covariance, tiles_of, with_picture_shift
 
 COUNT = 4000
+
+
+def sums_by_tile(rows, tile):
+    out = np.zeros((TILES * TILES, rows.shape[1]))
+    np.add.at(out, tile, rows)
+    return out
 
 
 def estimates(noise_of, draws=400, size=4):
@@ -78,8 +78,6 @@ def test_tiles_cover_the_points():
     xy = np.random.default_rng(1).uniform(-50, 900, (5000, 2))
     tile = tiles_of(xy)
     assert set(tile) == set(range(TILES * TILES))
-    rows = np.random.default_rng(2).normal(size=(5000, 3))
-    np.testing.assert_allclose(sums_by_tile(rows, tile).sum(axis=0), rows.sum(axis=0))
     assert set(tiles_of(np.ones((4, 2)))) == {0}
 
 

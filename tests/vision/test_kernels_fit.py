@@ -2,16 +2,15 @@
 
 import cv2
 import numpy as np
-from dense_frames import random_pose, sample_pad
+from dense_frames import borders_amid, random_pose, sample_pad
 from hypothesis import given
 from hypothesis import strategies as st
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision import kernels_fit
-from padstudio.vision.borders import layer_borders
 from padstudio.vision.motion import MovingPose
 
-BORDERS = layer_borders(sample_pad(), sample_pad().layers[1], (8, 17), (8, 17))
+BORDERS = borders_amid(sample_pad(), sample_pad().layers[1], 4.5)
 
 
 def moving_pose(seed):
@@ -108,3 +107,16 @@ def test_points_behind_the_camera_are_no_picture():
     assert np.isinf(
         kernels_fit.fit_points(behind, np.zeros((4, 2)), pose.rotation, pose.position_mm, 5)[0]
     )
+
+
+@given(seed=st.integers(0, 10**6), size=st.sampled_from([6, 12]))
+def test_scores_are_the_right_sides_parts(seed, size):
+    rng = np.random.default_rng(seed)
+    rows, moment, weight = rng.normal(size=(60, 7)), rng.uniform(-1, 1, 60), rng.uniform(0, 1, 60)
+    tile = rng.integers(0, 9, 60)
+    parts = kernels_fit.scores(rows, moment, weight, tile, 9, size)
+    jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
+    for number in range(9):
+        here = tile == number
+        plain = (weight[here] * rows[here, 0]) @ jacobian[here]
+        np.testing.assert_allclose(parts[number], plain, atol=1e-12)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from dense_frames import errors, random_pose, sample_pad, small_camera
+from dense_frames import all_borders, errors, random_pose, sample_pad, small_camera
 
-from padstudio.vision.borders import Measured, layer_borders
+from padstudio.vision.borders import Measured
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.refine import better_of, fit_pose
 
@@ -15,7 +15,7 @@ def measured_by(pose, *, noise_px=0.0, seed=0, layer=1):
     """Borders measured along their normals as a camera of a moving pose would show them."""
     rng = np.random.default_rng(seed)
     pad = sample_pad()
-    borders = layer_borders(pad, pad.layers[layer], (0, 25), (0, 25))
+    borders = all_borders(pad, pad.layers[layer])
     xy = pose.project(CAMERA, borders.points_mm)
     keep = (xy > 0).all(axis=1) & (xy < [CAMERA.width - 1, CAMERA.height - 1]).all(axis=1)
     which = np.flatnonzero(keep)

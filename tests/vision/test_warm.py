@@ -1,18 +1,35 @@
 """Warming compiles every inner loop that a detection may need."""
 
-from padstudio.vision import kernels, kernels_fit, kernels_pattern, kernels_search, warm
+from padstudio.vision import (
+    kernels,
+    kernels_borders,
+    kernels_cells,
+    kernels_fit,
+    kernels_pattern,
+    kernels_search,
+    warm,
+)
 
 
 def test_warming_reads_its_frames_and_compiles_every_kernel():
     assert warm.warm_up()
-    for module in (kernels, kernels_fit, kernels_pattern, kernels_search):
+    for module in (
+        kernels,
+        kernels_borders,
+        kernels_cells,
+        kernels_fit,
+        kernels_pattern,
+        kernels_search,
+    ):
         compiled = [f for f in vars(module).values() if hasattr(f, "signatures")]
         # Loops that only other loops call have no signature of their own until Python calls them.
         assert any(function.signatures for function in compiled), module.__name__
     for called in (
         kernels.project,
-        kernels.project_borders,
-        kernels.find_steps,
+        kernels_borders.borders_in_view,
+        kernels_borders.find_borders,
+        kernels_cells.sample,
+        kernels_cells.width_px,
         kernels_fit.fit,
         kernels_fit.fit_points,
         kernels_fit.normal_equations,

@@ -21,16 +21,29 @@ _MIX_2 = np.uint64(0x94D049BB133111EB)
 _S27, _S30, _S31, _S33 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(33)
 
 
+# Sums may be taken in any order and products fused; NaN and infinity keep their meaning.
+_FREE_ORDER = {"contract", "arcp", "reassoc", "nsz"}
+
+
 def jit(function: Function) -> Function:
     """Compile on first call; keep the machine code on disk where a folder for it can be written.
 
     Numba writes beside the source, else to the user's cache folder (``NUMBA_CACHE_DIR`` overrides
     both); where neither can be written, every process compiles anew.
     """
+    return _compiled(function)
+
+
+def fast_jit(function: Function) -> Function:
+    """As `jit`, for measurements: rounding may differ from processor to processor."""
+    return _compiled(function, fastmath=_FREE_ORDER, error_model="numpy")
+
+
+def _compiled(function: Function, **options: Any) -> Function:
     try:
-        return cast(Function, numba.njit(cache=True, nogil=True)(function))
+        return cast(Function, numba.njit(cache=True, nogil=True, **options)(function))
     except RuntimeError:
-        return cast(Function, numba.njit(nogil=True)(function))
+        return cast(Function, numba.njit(nogil=True, **options)(function))
 
 
 @jit

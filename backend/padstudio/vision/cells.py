@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.spec import Channel
-from padstudio.vision.planes import Box, Pyramid
+from padstudio.vision.planes import Pyramid
 from padstudio.vision.types import Array
 
 #: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
@@ -94,6 +94,8 @@ def read_cells(
     CellGrid or None
         None where no cell's centre lies in the frame.
     """
+    from padstudio.vision import kernels_cells
+
     c, r = np.arange(*columns) + 0.5, np.arange(*rows) + 0.5
     if not len(c) or not len(r):
         return None
@@ -103,9 +105,10 @@ def read_cells(
     if not seen.any():
         return None
     _reach_in(pyramid, to_pixels, grid, xy, seen)
-    width = _cell_width(xy, seen)
+    width = kernels_cells.width_px(xy, seen)
     level = max(0, math.floor(math.log2(max(width / _READING_WIDTH, 1.0))))
-    values = _sample(pyramid, channel, level, xy, seen, width)
+    plane = pyramid.window(channel, level)
+    values = kernels_cells.sample(plane.values, xy, seen, plane.place)
     relative = _relative(values, seen)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
 
@@ -139,44 +142,6 @@ def _reach_in(
     found = here.any(axis=1)
     xy[rows[found], cols[found]] = at[found, first[found]]
     seen[rows[found], cols[found]] = True
-
-
-def _cell_width(xy: Array, seen: NDArray[np.bool_]) -> float:
-    """Median distance of neighbouring centres, pixels; of the shorter side under tilt."""
-    sides = []
-    for axis in (0, 1):
-        step = np.linalg.norm(np.diff(xy, axis=axis), axis=-1)
-        both = np.delete(seen, -1, axis) & np.delete(seen, 0, axis)
-        if both.any():
-            sides.append(float(np.median(step[both])))
-    return min(sides) if sides else 1.0
-
-
-def _sample(
-    pyramid: Pyramid,
-    channel: Channel,
-    level: int,
-    xy: Array,
-    seen: NDArray[np.bool_],
-    width: float,
-) -> NDArray[np.float32]:
-    inside = xy[seen]
-    low, high = np.floor(inside.min(axis=0)).astype(int), np.ceil(inside.max(axis=0)).astype(int)
-    border = 2 << level
-    box = Box(
-        max(0, int(low[0]) - border),
-        max(0, int(low[1]) - border),
-        min(pyramid.width, int(high[0]) + border + 1),
-        min(pyramid.height, int(high[1]) + border + 1),
-    )
-    plane = pyramid.plane(channel, level, box)
-    picture = plane.values
-    known = np.where(seen[..., None], xy, -1e6)
-    at = plane.from_frame(known.reshape(-1, 2)).astype(np.float32).reshape(xy.shape)
-    values = cv2.remap(
-        picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    )
-    return np.asarray(values, np.float32)
 
 
 def _relative(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.float32]:

@@ -57,14 +57,6 @@ def tiles_of(xy: Array) -> NDArray[np.intp]:
     return np.asarray(at[:, 1] * TILES + at[:, 0], np.intp)
 
 
-def sums_by_tile(rows: Array, tile: NDArray[np.intp]) -> Array:
-    """Sums of rows (N, K) over tiles, (TILES², K)."""
-    out = np.empty((TILES * TILES, rows.shape[1]))
-    for k in range(rows.shape[1]):
-        out[:, k] = np.bincount(tile, rows[:, k], TILES * TILES)
-    return out
-
-
 def pose_covariance(normal: Array, scores: Array, pull: Array) -> Array:
     """Covariance of the solution of normal equations.
 

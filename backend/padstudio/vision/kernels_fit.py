@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from padstudio.pad.jit import jit
+from padstudio.pad.jit import fast_jit
 from padstudio.vision.types import Array
 
 # Weighted points above this share of the best one's trust tell the scatter.
@@ -17,7 +18,7 @@ _TELLING = 0.3
 _CUT_OFF = 2.5
 
 
-@jit
+@fast_jit
 def linearize(
     points: Array,
     along: Array,
@@ -60,7 +61,7 @@ def linearize(
     return out
 
 
-@jit
+@fast_jit
 def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tuple[Array, Array]:
     """Weighted normal matrix (size, size) and right side of linearized rows (N, 7)."""
     normal, right, j = np.zeros((size, size)), np.zeros(size), np.empty(12)
@@ -82,7 +83,20 @@ def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tu
     return normal, right
 
 
-@jit
+@fast_jit
+def scores(
+    rows: Array, moment: Array, weight: Array, tile: NDArray[np.intp], tiles: int, size: int
+) -> Array:
+    """Parts of the right side of `normal_equations` by tile, (tiles, size)."""
+    out = np.zeros((tiles, size))
+    for i in range(len(rows)):
+        t = weight[i] * rows[i, 0]
+        for k in range(size):
+            out[tile[i], k] += t * (rows[i, 1 + k] if k < 6 else moment[i] * rows[i, k - 5])
+    return out
+
+
+@fast_jit
 def solve(matrix: Array, right: Array) -> tuple[bool, Array]:
     """Solution of a symmetric, positive definite system by Cholesky's factors."""
     n = len(right)
@@ -109,7 +123,7 @@ def solve(matrix: Array, right: Array) -> tuple[bool, Array]:
     return True, x
 
 
-@jit
+@fast_jit
 def turned(rotation: Array, turn: Array) -> Array:
     """A rotation followed by a rotation vector in its own frame (Rodrigues), kept orthonormal."""
     angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
@@ -140,7 +154,7 @@ def turned(rotation: Array, turn: Array) -> Array:
     return kept
 
 
-@jit
+@fast_jit
 def scatter(residual: Array, weight: Array) -> float:
     """Robust standard deviation: the median of |residual| of trusted points over 0.6745."""
     size = np.abs(residual[weight > _TELLING * weight.max()])
@@ -148,13 +162,13 @@ def scatter(residual: Array, weight: Array) -> float:
     return max(float(np.partition(size, middle)[middle]) / 0.6745, 1e-3)
 
 
-@jit
+@fast_jit
 def trust_of(residual: Array, weight: Array, sigma: float) -> Array:
     """Inverse variances of residuals, those that stand out trusted little."""
     return weight / (1 + (residual / (_CUT_OFF * sigma)) ** 2) ** 2 / sigma**2
 
 
-@jit
+@fast_jit
 def fit(
     points: Array,
     along: Array,
@@ -202,7 +216,7 @@ def fit(
     return True, rotation, centre, shift, turn, rows, sigma
 
 
-@jit
+@fast_jit
 def misfit(
     points: Array, rays: Array, rotation: Array, centre: Array, normal: Array, right: Array
 ) -> float:
@@ -234,7 +248,7 @@ def misfit(
     return total
 
 
-@jit
+@fast_jit
 def fit_points(
     points: Array, rays: Array, rotation: Array, centre: Array, most_steps: int
 ) -> tuple[float, Array, Array]:

@@ -11,14 +11,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.jit import jit
+from padstudio.pad.jit import fast_jit
 from padstudio.vision.types import Array
 
 #: Terms of a shading; those that a layer's gain shares with it come first.
 SHADE, GAIN = 6, 3
 
 
-@jit
+@fast_jit
 def blurred_cells(
     cells: NDArray[np.float32], cell_px: float, sigma_px: float, length: int
 ) -> NDArray[np.float32]:
@@ -38,7 +38,7 @@ def blurred_cells(
     return out
 
 
-@jit
+@fast_jit
 def meet_pad(
     ray: Array, s: float, rotation: Array, centre: Array, shift: Array, turn: Array, out: Array
 ) -> None:
@@ -70,7 +70,7 @@ def meet_pad(
         out[1, 4 + k] = reach * (ty - leany * tz)
 
 
-@jit
+@fast_jit
 def bilinear(layer: NDArray[np.float32], x: float, y: float) -> float:
     """The value of a picture between its pixels; beyond its rim that of the rim."""
     h, w = layer.shape
@@ -82,7 +82,7 @@ def bilinear(layer: NDArray[np.float32], x: float, y: float) -> float:
     return float(top * (1 - fy) + low * fy)
 
 
-@jit
+@fast_jit
 def match_pattern(
     rays: Array,
     moment: Array,

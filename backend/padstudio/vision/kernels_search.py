@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.jit import jit
+from padstudio.pad.jit import fast_jit
 from padstudio.vision.types import Array
 
 
-@jit
+@fast_jit
 def coherence(
     normals: Array, lines: Array, rays: Array, firsts: Array, most_weight: float, least_depth: float
 ) -> NDArray[np.complex128]:
@@ -49,7 +49,7 @@ def coherence(
     return out
 
 
-@jit
+@fast_jit
 def climb(
     normal: Array,
     lines: Array,
@@ -88,7 +88,7 @@ def climb(
     return best
 
 
-@jit
+@fast_jit
 def turn_axes(
     axes: Array, lines: Array, rays: Array, first_cut: float, last_cut: float, steps: int
 ) -> Array:
@@ -145,7 +145,7 @@ def turn_axes(
     return out
 
 
-@jit
+@fast_jit
 def lattice_equations(
     fit: Array,
     u: Array,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.align import Match
-from padstudio.vision.borders import Borders, Measured, concatenate, layer_borders, measure
+from padstudio.vision.borders import Borders, Measured, concatenate, measure, visible_borders
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.motion import KnownMotion, MovingPose
@@ -35,6 +35,10 @@ _MOST_RESIDUAL = 0.12
 _NEAR_BY = 25
 # So many borders decide between a still and a moving camera; all of them then fit the pose.
 _DECIDING = 800
+# Borders this near to their prediction, in cells, need not be measured again to settle.
+_SETTLED = 0.1
+# So many borders tell how wide cells are.
+_TELLING_WIDTH = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +152,10 @@ class Refiner:
                 fit = self._fit(pose, measured, iterations=3)
                 if fit is None:
                     break
+                away_px = pose.apart_px(fit.pose, self.camera.focal_px)
                 pose, rms = fit.pose, fit.rms_px
+                if away_px < _SETTLED * cell_px:
+                    break
             rungs.append(Rung(layer, borders, cell_px, pose, rms))
         return rungs
 
@@ -190,14 +197,16 @@ class Refiner:
             # Glare bends the shading beyond what the match allows for; borders bear it.
             if fit is not None and fit.rms_px <= most_residual_px(rung.cell_px):
                 return replace(fit, inliers=np.ones(len(measured.xy), bool))
+        rolling = self.params.refine.motion
+        if self.motion is not None and rolling:
+            return self._fit(rung.pose, measured, iterations=4)
         fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
         if fit is None:
             return None
         motion = not fit.pose.still
         full = fit_pose(
-            fit.pose, measured, self.camera, motion=motion, iterations=2, known=self.motion,
-            rolling=self.params.refine.motion,
-        )  # fmt: skip
+            fit.pose, measured, self.camera, motion=motion, iterations=2, rolling=rolling
+        )
         return replace(full, doubt=fit.doubt) if full else fit
 
     def _match(self, rung: Rung) -> Fit | None:
@@ -266,25 +275,15 @@ class Refiner:
 
     def _visible_borders(self, layer: Layer, pose: MovingPose) -> tuple[Borders, float]:
         """Borders in view, thinned evenly, and the median width of a cell, frame pixels."""
-        rows, cols = visible_range(self.pad, layer, self.camera, pose.pose)
-        borders = layer_borders(self.pad, layer, rows, cols)
-        borders = borders.thinned(3 * self.params.refine.most_borders)
-        pixels = pose.project(self.camera, borders.points_mm)
-        with np.errstate(invalid="ignore"):
-            inside = (
-                (pixels[:, 0] > 1)
-                & (pixels[:, 1] > 1)
-                & (pixels[:, 0] < self.camera.width - 2)
-                & (pixels[:, 1] < self.camera.height - 2)
-            )
-        which = np.flatnonzero(inside)
-        if not len(which):
-            return borders.take(which), 0.0
-        few = which[:: max(1, len(which) // 200)]
-        moved = borders.points_mm[few] + 0.05 * borders.across_mm[few]
-        step = pose.project(self.camera, moved) - pixels[few]
-        cell_px = 20 * float(np.nanmedian(np.linalg.norm(step, axis=1)))
-        return borders.take(which).thinned(self.params.refine.most_borders), cell_px
+        refine = self.params.refine
+        most = refine.most_borders if self.attempts else refine.followed_borders
+        borders = visible_borders(self.pad, layer, self.camera, pose, most)
+        if not len(borders.step):
+            return borders, 0.0
+        few = borders.thinned(_TELLING_WIDTH)
+        step = pose.project(self.camera, few.points_mm + 0.05 * few.across_mm)
+        step -= pose.project(self.camera, few.points_mm)
+        return borders, 20 * float(np.nanmedian(np.linalg.norm(step, axis=1)))
 
 
 def most_residual_px(cell_px: float) -> float:

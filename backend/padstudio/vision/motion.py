@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
@@ -64,6 +64,10 @@ class MovingPose:
         """True where nothing changes during the frame."""
         return not (self.shift_mm.any() or self.turn.any())
 
+    @cached_property
+    def _stacked(self) -> Array:
+        return np.vstack([self.pose.rotation, self.pose.position_mm, self.shift_mm, self.turn])
+
     def to_camera(self, points_mm: Array, moment: Array | float = 0.0) -> Array:
         """Pad points (N, 3) in the camera frame of given moments, −0.5 … 0.5 of the frame."""
         s = np.broadcast_to(np.asarray(moment, float), (len(points_mm),))[:, None]
@@ -79,56 +83,13 @@ class MovingPose:
 
     def project(self, camera: Camera, points_mm: Array) -> Array:
         """Frame pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
-        if camera.model == "radtan":
-            return self._project_radtan(camera, points_mm)
-        seen = self.to_camera(points_mm)
-        pixels = _project(camera, seen)
-        if self.still:
-            return pixels
-        # A point's row tells when it was seen, and that where: two rounds settle it.
-        for _ in range(2):
-            moment = np.clip(self.moment(camera, np.nan_to_num(pixels[:, 1])), -0.6, 0.6)
-            pixels = _project(camera, self.to_camera(points_mm, moment))
-        return pixels
-
-    def project_borders(
-        self, camera: Camera, points_mm: Array, along_mm: Array, across_mm: Array
-    ) -> tuple[Array, Array, Array]:
-        """Frame pixels (N, 2) of pad points, and of two small steps (N, 3) from each of them."""
-        if camera.model != "radtan":
-            middle = self.project(camera, points_mm)
-            along, across = (
-                self.project(camera, points_mm + step) - middle for step in (along_mm, across_mm)
-            )
-            return middle, along, across
         from padstudio.vision import kernels
 
-        return kernels.project_borders(
-            np.ascontiguousarray(points_mm, float),
-            np.ascontiguousarray(along_mm, float),
-            np.ascontiguousarray(across_mm, float),
-            *self._plain(camera),
-        )
+        return kernels.project(np.ascontiguousarray(points_mm, float), *self.plain(camera))
 
-    def _project_radtan(self, camera: Camera, points_mm: Array) -> Array:
-        from padstudio.vision import kernels
-
-        return kernels.project(np.ascontiguousarray(points_mm, float), *self._plain(camera))
-
-    def _plain(self, camera: Camera) -> tuple[Array, Array, Array, Array, Array, Array, int, int]:
-        """The pose and a radial-tangential lens as the compiled loops take them."""
-        lens = np.zeros(8)
-        lens[: len(camera.distortion)] = camera.distortion
-        return (
-            np.ascontiguousarray(self.pose.rotation),
-            self.pose.position_mm,
-            self.shift_mm,
-            self.turn,
-            camera.matrix,
-            lens,
-            camera.height,
-            1 if self.still else 3,
-        )
+    def plain(self, camera: Camera) -> tuple[Array, Array, Array, int, bool]:
+        """The pose (6, 3) and the camera as `padstudio.vision.kernels` takes them."""
+        return self._stacked, camera.matrix, _lens(camera), camera.height, self.still
 
     def moved(self, step: Array) -> MovingPose:
         """The pose after a step of 6 or 12: centre (mm, pad), turn (camera), and their changes."""
@@ -147,15 +108,22 @@ class MovingPose:
         away = np.linalg.norm(step[:3]) / max(abs(self.pose.position_mm[2]), 1e-9)
         return bool(max(away, np.linalg.norm(step[3:])) < _NEAR_RAD)
 
+    def apart_px(self, other: MovingPose, focal_px: float) -> float:
+        """By about how many pixels another pose moves the picture."""
+        step = self.step_to(other)
+        away = np.abs(step[:3]).max() / max(abs(float(self.pose.position_mm[2])), 1e-9)
+        return focal_px * float(max(away, np.abs(step[3:]).max()))
+
     def step_to(self, other: MovingPose) -> Array:
         """The step (6,) of `moved` that leads to another's pose."""
         turn = cv2.Rodrigues(self.pose.rotation.T @ other.pose.rotation)[0].ravel()
         return np.concatenate([other.pose.position_mm - self.pose.position_mm, turn])
 
 
-def _project(camera: Camera, points: Array) -> Array:
-    z = points[:, 2:]
-    ahead = z[:, 0] > 1e-6
-    pixels = np.full((len(points), 2), np.nan)
-    pixels[ahead] = camera.denormalize(points[ahead, :2] / z[ahead])
-    return pixels
+@lru_cache(maxsize=8)
+def _lens(camera: Camera) -> Array:
+    """The lens (9,) as of `padstudio.vision.kernels.distorted`."""
+    lens = np.zeros(9)
+    lens[0] = camera.model == "fisheye"
+    lens[1 : 1 + len(camera.distortion)] = camera.distortion
+    return lens

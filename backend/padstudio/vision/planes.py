@@ -61,6 +61,11 @@ class Plane:
         return 1 << self.level
 
     @property
+    def place(self) -> Array:
+        """Side of a pixel in frame pixels, and where frame pixel (0, 0) lies in the plane; (3,)."""
+        return np.array([self.pixel, *(0.5 / self.pixel - self._corner)])
+
+    @property
     def _corner(self) -> Array:
         return np.array([self.x0 + 0.5, self.y0 + 0.5])
 

@@ -20,12 +20,7 @@ from numpy.typing import NDArray
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.vision.borders import Measured
-from padstudio.vision.covariance import (
-    newton_share,
-    pose_covariance,
-    sums_by_tile,
-    tiles_of,
-)
+from padstudio.vision.covariance import TILES, newton_share, pose_covariance, tiles_of
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.types import Array
 
@@ -141,8 +136,7 @@ def fit_pose(
         normal = kernels_fit.normal_equations(rows, moment, trust, 12)[0]
         robust = trust * sigma**2 / np.maximum(measured.weight, 1e-12)
         normal *= newton_share(robust, measured.weight)
-        jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
-        scores = sums_by_tile(jacobian * (trust * residual)[:, None], tiles_of(measured.xy))
+        scores = kernels_fit.scores(rows, moment, trust, tiles_of(measured.xy), TILES**2, size)
         return prior.covariance(normal, scores, rolling=rolling)
 
     return Fit(MovingPose(Pose(centre, rotation), shift, turn), rms, inliers, find_covariance)

@@ -1,0 +1,58 @@
+"""Compiled inner loops of `padstudio.vision.cells`, which documents what they compute."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.jit import fast_jit
+from padstudio.vision.types import Array
+
+# So many lines of cells tell how wide they are.
+_TELLING = 16
+
+
+@fast_jit
+def sample(
+    values: NDArray[Any], xy: Array, seen: NDArray[np.bool_], plane: Array
+) -> NDArray[np.float32]:
+    """Values (R, C) of a plane between its pixels at frame pixels (R, C, 2), 0 where not seen.
+
+    ``plane`` is as of `padstudio.vision.kernels_borders.find_borders`.
+    """
+    h, w = values.shape
+    out = np.zeros(seen.shape, np.float32)
+    for r in range(seen.shape[0]):
+        for c in range(seen.shape[1]):
+            if seen[r, c]:
+                x = min(max(xy[r, c, 0] / plane[0] + plane[1], 0.0), w - 1.001)
+                y = min(max(xy[r, c, 1] / plane[0] + plane[2], 0.0), h - 1.001)
+                i, k = int(y), int(x)
+                fy, fx = y - i, x - k
+                top = values[i, k] * (1 - fx) + values[i, k + 1] * fx
+                low = values[i + 1, k] * (1 - fx) + values[i + 1, k + 1] * fx
+                out[r, c] = top * (1 - fy) + low * fy
+    return out
+
+
+@fast_jit
+def width_px(xy: Array, seen: NDArray[np.bool_]) -> float:
+    """Median distance of neighbouring centres (R, C, 2), pixels; of the shorter side under tilt."""
+    rows, cols = seen.shape
+    least = np.inf
+    for down, across in ((0, 1), (1, 0)):
+        steps = np.empty(seen.size)
+        found = 0
+        stride = max(1, (rows if across else cols) // _TELLING)
+        for r in range(0, rows - down, stride if across else 1):
+            for c in range(0, cols - across, stride if down else 1):
+                if seen[r, c] and seen[r + down, c + across]:
+                    x = xy[r + down, c + across, 0] - xy[r, c, 0]
+                    steps[found] = math.hypot(x, xy[r + down, c + across, 1] - xy[r, c, 1])
+                    found += 1
+        if found:
+            least = min(least, float(np.median(steps[:found])))
+    return least if least < np.inf else 1.0

@@ -1,0 +1,34 @@
+"""The compiled reading of cells against its plain form."""
+
+import cv2
+import numpy as np
+import pytest
+
+from padstudio.vision import kernels_cells
+from padstudio.vision.planes import Pyramid
+
+
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_values_are_those_between_the_pixels(level):
+    rng = np.random.default_rng(level)
+    plane = Pyramid(rng.integers(0, 256, (120, 160, 3)).astype(np.uint8)).window("red", level)
+    xy = rng.uniform(8, 110, (9, 11, 2))
+    seen = rng.random((9, 11)) < 0.8
+    found = kernels_cells.sample(plane.values, xy, seen, plane.place)
+    at = plane.from_frame(xy.reshape(-1, 2)).reshape(xy.shape).astype(np.float32)
+    picture = np.ascontiguousarray(plane.values).astype(np.float32)
+    # OpenCV rounds places to 1/32 of a pixel.
+    plain = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
+    np.testing.assert_allclose(found[seen], plain[seen], atol=255 * 2 / 32)
+    assert np.abs(found[seen] - plain[seen]).mean() < 3
+    assert not found[~seen].any()
+
+
+def test_cells_are_as_wide_as_their_shorter_side():
+    x, y = np.meshgrid(np.arange(40) * 12.0, np.arange(30) * 7.0)
+    xy = np.stack([x, y], axis=-1)
+    seen = np.ones(x.shape, bool)
+    assert kernels_cells.width_px(xy, seen) == pytest.approx(7.0)
+    assert kernels_cells.width_px(xy.swapaxes(0, 1).copy(), seen.T.copy()) == pytest.approx(7.0)
+    assert kernels_cells.width_px(xy[:1], seen[:1]) == pytest.approx(12.0)
+    assert kernels_cells.width_px(xy, np.zeros_like(seen)) == 1.0
