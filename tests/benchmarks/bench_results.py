@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sqlalchemy import insert
 
 from padstudio.flights.figure_rows import FigureRows
-from padstudio.flights.flight_tables import FlightRow, FrameDetailRow, FrameRow
+from padstudio.flights.flight_tables import FlightRow
+from padstudio.flights.result_rows import insert_rows
 from padstudio.flights.results import FrameFilter, Results
 from padstudio.flights.store_database import Sessions, open_database
 from padstudio.flights.summaries import Summaries
@@ -83,8 +83,8 @@ def fill(sessions: Sessions, frames: int) -> FlightRow:
     for first in range(0, frames, BLOCK):
         pairs = list(rows(flight.key, first, min(BLOCK, frames - first)))
         with sessions.begin() as session:
-            session.execute(insert(FrameRow), [frame for frame, _ in pairs])
-            session.execute(insert(FrameDetailRow), [detail for _, detail in pairs])
+            frames, details = ([pair[place] for pair in pairs] for place in (0, 1))
+            insert_rows(session, flight.request, frames, details)
     return flight
 
 

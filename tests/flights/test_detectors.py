@@ -14,8 +14,8 @@ from padstudio.vision.params import DetectorParams
 
 def test_what_is_not_named_keeps_its_default() -> None:
     assert params_from({}) == DetectorParams()
-    changed = params_from({"refine": {"most_borders": 500.0}, "log10_false_alarm": -9})
-    assert changed.refine.most_borders == 500
+    changed = params_from({"refine": {"most_borders": 2000.0}, "log10_false_alarm": -9})
+    assert changed.refine.most_borders == 2000
     assert changed.log10_false_alarm == -9.0
     assert changed.search == DetectorParams().search
 

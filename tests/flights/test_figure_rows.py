@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sqlalchemy import insert
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.figure_rows import OUTCOMES, FigureRows
-from padstudio.flights.flight_tables import FlightRow, FrameDetailRow, FrameRow
+from padstudio.flights.flight_tables import FlightRow
+from padstudio.flights.result_rows import insert_rows
 from padstudio.flights.store_database import Sessions, open_database
 
 FRAMES = 5003
@@ -60,7 +60,7 @@ def _store(
         created_at=datetime.now(UTC),
         name="flight",
         state="done",
-        request={"stride": stride},
+        request={"first_frame": first, "stride": stride},
         sources=[],
         pad="",
         camera="",
@@ -71,13 +71,12 @@ def _store(
         open_session.flush()
         rows = [_frame(flight.key, first + place * stride, place) for place in range(frames)]
         if rows:
-            open_session.execute(insert(FrameRow), rows)
             details = [
                 {"flight": flight.key, "number": row["number"], "chunk": 1,
                  "body": {"quaternion_xyzw": DOWN_XYZW}}
                 for row in rows
             ]  # fmt: skip
-            open_session.execute(insert(FrameDetailRow), details)
+            insert_rows(open_session, flight.request, rows, details)
     return flight, rows
 
 
@@ -130,6 +129,19 @@ def test_strides_leave_no_column_empty(session: sessionmaker[Session]) -> None:
     assert places == list(range(len(places)))
     counts = {sum(column["outcomes"]) for column in found["columns"][:-1]}
     assert len(counts) == 1
+
+
+@pytest.mark.parametrize(("first", "stride"), [(40, 12), (7, 1)])
+def test_wide_columns_hold_whole_hundreds_from_the_first_frame(
+    session: sessionmaker[Session], first: int, stride: int
+) -> None:
+    flight, rows = _store(session, first=first, stride=stride, frames=1207)
+    found = FigureRows(session).timeline(flight, 4, first + 150 * stride)
+    assert found["first_frame"] == first + 100 * stride
+    assert found["frames_per_column"] == 300 * stride
+    frames = [sum(column["outcomes"]) for column in found["columns"]]
+    assert frames == [300, 300, 300, 207]
+    assert found["columns"][1]["first_frame"] == rows[400]["number"]
 
 
 def test_a_flight_without_results_has_empty_figures(session: sessionmaker[Session]) -> None:

@@ -126,12 +126,10 @@ def test_pages_and_filters(api: Api, flight: dict[str, Any]) -> None:
 
 
 def test_figures(api: Api, flight: dict[str, Any]) -> None:
-    figures = api.get(f"{flight['id']}/summary?points=10")
+    figures = api.get(f"{flight['id']}/summary")
     assert (figures["frames"], figures["ok"]) == (60, flight["frames_ok"])
-    assert [second["at"] for second in figures["timeline"]] == [0, 1]
-    heights = figures["heights"]["height_mm"]
-    assert len(heights) <= 10
-    assert heights == sorted(heights, reverse=True)
+    assert sum(figures["layers"].values()) == figures["ok"]
+    assert sum(figures["stages"].values()) == 60 - figures["ok"]
 
 
 def test_pictures_of_any_stage(api: Api, flight: dict[str, Any], refused: Refused) -> None:
@@ -175,7 +173,7 @@ def test_progress_as_events(api: Api) -> None:
 
 
 def test_a_rerun_stands_beside_the_first(api: Api, flight: dict[str, Any]) -> None:
-    changes = {"params": {"refine": {"most_borders": 500}}, "first_frame": 10, "end_frame": 20}
+    changes = {"params": {"refine": {"most_borders": 2000}}, "first_frame": 10, "end_frame": 20}
     answer = api.client.post(f"{API}/flights/{flight['id']}/rerun", json=changes | {"stride": 3})
     assert answer.status_code == 202
     second = api.finished(answer.json()["id"])

@@ -14,9 +14,9 @@ from typing import Any
 from sqlalchemy import func, insert, select, update
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
-from padstudio.flights.flight_tables import ChunkRow, FlightRow, FrameDetailRow, FrameRow
+from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.planning import Plan
-from padstudio.flights.result_rows import rows_of
+from padstudio.flights.result_rows import insert_rows, rows_of
 from padstudio.flights.tasks import Record
 
 OPEN = ("queued", "running")
@@ -150,8 +150,10 @@ class Chunks:
         with self._session.begin() as session:
             if not self._end(session, claim, state="done"):
                 return False
-            session.execute(insert(FrameRow), frames)
-            session.execute(insert(FrameDetailRow), details)
+            request = session.execute(
+                select(FlightRow.request).where(FlightRow.key == claim.flight)
+            ).scalar_one()
+            insert_rows(session, request, frames, details)
             session.execute(
                 update(FlightRow)
                 .where(FlightRow.key == claim.flight)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -11,9 +11,10 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.figures import choose_samples, compare_heights
-from padstudio.flights.flight_tables import FlightRow, FrameDetailRow, FrameRow
+from padstudio.flights.flight_tables import FlightRow, FrameRow
+from padstudio.flights.frame_bins import grid_of, read_bins
 from padstudio.flights.kept_answers import KeptAnswers
-from padstudio.flights.result_rows import rotation_of
+from padstudio.flights.result_rows import rotation_of, select_rows
 from padstudio.flights.telemetry import height_at
 
 #: Outcomes of a column of the timeline, in the order of its lists.
@@ -48,7 +49,8 @@ class FigureRows:
         Returns
         -------
         dict
-            ``first_frame``, ``last_frame``, ``frames_per_column`` (in frame numbers), and
+            ``first_frame``, ``last_frame``, ``frames_per_column`` (in frame numbers; where columns
+            hold a hundred frames or more, they begin and end at hundreds), and
             ``columns``: each ``column``, ``first_frame``, ``last_frame``, ``time_s``,
             ``z_min_mm``, ``z_max_mm`` (None without a pose), ``outcomes`` (frames, as
             `OUTCOMES`), ``stages`` (failing stage: frames). Columns without frames are left out.
@@ -101,11 +103,33 @@ def _timeline(
     start = ends[0] if first is None else first
     stop = max(start, ends[1] if last is None else last)
     width = -(-(stop - start + 1) // columns)
-    # Whole strides, lest every other column be empty.
-    stride = int(flight.request.get("stride", 1))
-    width = -(-width // stride) * stride
+    grid = grid_of(flight.request)
+    rows: Iterable[Any]
+    if width < grid.width:
+        # Whole strides, lest every other column be empty.
+        stride = int(flight.request.get("stride", 1))
+        width = -(-width // stride) * stride
+        rows = _rows_by_column(session, flight.key, start, stop, width)
+    else:
+        # Whole bins; a column that a bin begins in has all of it.
+        start = grid.start_of(start)
+        width = -(-(stop - start + 1) // columns)
+        width = -(-width // grid.width) * grid.width
+        rows = _bins_by_column(read_bins(session, flight, start, stop), start, width)
+    return {
+        "first_frame": start,
+        "last_frame": stop,
+        "frames_per_column": width,
+        "columns": _merged(rows),
+    }
+
+
+def _rows_by_column(
+    session: Session, flight: int, start: int, stop: int, width: int
+) -> Sequence[Any]:
+    """As `_merged` takes, from the frames themselves."""
     column = ((FrameRow.number - start) // width).label("column")
-    rows = session.execute(
+    return session.execute(
         select(
             column,
             FrameRow.layer,
@@ -117,26 +141,31 @@ def _timeline(
             func.min(FrameRow.z_mm),
             func.max(FrameRow.z_mm),
         )
-        .where(FrameRow.flight == flight.key, FrameRow.number.between(start, stop))
+        .where(FrameRow.flight == flight, FrameRow.number.between(start, stop))
         .group_by(column, FrameRow.layer, FrameRow.stage)
         .order_by(column)
     ).all()
-    return {
-        "first_frame": start,
-        "last_frame": stop,
-        "frames_per_column": width,
-        "columns": _merged(rows),
-    }
+
+
+def _bins_by_column(bins: Iterable[Any], start: int, width: int) -> Iterator[tuple[Any, ...]]:
+    """As `_merged` takes, from bins: an entry for each layer and for each failing stage."""
+    for row in bins:
+        column = (row.first_frame - start) // width
+        about = row.first_frame, row.last_frame, row.time_s, row.z_min_mm, row.z_max_mm
+        for layer, count in row.body["layers"].items():
+            yield column, layer, None, count, *about
+        for stage, count in row.body["stages"].items():
+            yield column, None, stage, count, *about
 
 
 def _ends(session: Session, flight: int) -> tuple[int, int] | None:
     """The first and the last frame that have a result."""
-    first, last = session.execute(
-        select(func.min(FrameRow.number), func.max(FrameRow.number)).where(
-            FrameRow.flight == flight
-        )
-    ).one()
-    return None if first is None else (first, last)
+    # Each alone is looked up in the index; both in one question are sought among all frames.
+    first, last = (
+        session.scalar(select(end(FrameRow.number)).where(FrameRow.flight == flight))
+        for end in (func.min, func.max)
+    )
+    return None if first is None or last is None else (first, last)
 
 
 def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
@@ -178,10 +207,11 @@ def _trajectory(session: Session, flight: FlightRow, points: int) -> dict[str, l
         return {name: [] for name in names}
     stride = int(flight.request.get("stride", 1))
     every = stride * -(-((ends[1] - ends[0]) // stride + 1) // points)
+    numbers = range(ends[0], ends[1] + 1, every)
     columns = (FrameRow.number, FrameRow.time_s, FrameRow.x_mm, FrameRow.y_mm, FrameRow.z_mm)
     rows = session.execute(
         select(*columns)
-        .where(FrameRow.flight == flight.key, (FrameRow.number - ends[0]) % every == 0)
+        .where(FrameRow.flight == flight.key, FrameRow.number.in_(numbers))
         .order_by(FrameRow.number)
     ).all()
     return {name: [row[place] for row in rows] for place, name in enumerate(names)}
@@ -192,15 +222,8 @@ def _samples(session: Session, flight: FlightRow, count: int) -> list[dict[str, 
     if ends is None:
         return []
     numbers = choose_samples(*ends, int(flight.request.get("stride", 1)), count)
-    rows = session.execute(
-        select(FrameRow, FrameDetailRow.body)
-        .join(
-            FrameDetailRow,
-            (FrameDetailRow.flight == FrameRow.flight) & (FrameDetailRow.number == FrameRow.number),
-        )
-        .where(FrameRow.flight == flight.key, FrameRow.number.in_(numbers), FrameRow.status == "ok")
-    ).all()
-    found = {row.number: (row, body) for row, body in rows}
+    chosen = select_rows(flight.key).where(FrameRow.number.in_(numbers), FrameRow.status == "ok")
+    found = {row.number: (row, body) for row, body in session.execute(chosen)}
     samples: list[dict[str, Any]] = []
     for place, number in enumerate(numbers, 1):
         sample: dict[str, Any] = {"number": place, "frame": number}

@@ -122,3 +122,24 @@ class FrameDetailRow(Base):
     chunk: Mapped[int] = mapped_column(Integer)
     #: A line of a poses file without what `FrameRow` has, and the covariance.
     body: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
+class FrameBinRow(Base):
+    """Up to a hundred frames in a row, summed up; see `padstudio.flights.frame_bins`."""
+
+    __tablename__ = "frame_bins"
+    __table_args__ = ({"sqlite_with_rowid": False},)
+
+    flight: Mapped[int] = mapped_column(
+        BigInteger, ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
+    )
+    first_frame: Mapped[int] = mapped_column(Integer, primary_key=True)
+    last_frame: Mapped[int] = mapped_column(Integer)
+    frames: Mapped[int] = mapped_column(Integer)
+    ok: Mapped[int] = mapped_column(Integer)
+    time_s: Mapped[float | None]
+    z_min_mm: Mapped[float | None]
+    z_max_mm: Mapped[float | None]
+    #: Frames by ``layers``, ``stages`` and ``reasons``; ``poses``: the numbers of the first and the
+    #: last pose, and between them those of the two successive ones farthest apart.
+    body: Mapped[dict[str, Any]] = mapped_column(JSON)

@@ -7,8 +7,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from sqlalchemy import Select, insert, select
+from sqlalchemy.orm import Session
 
-from padstudio.flights.flight_tables import FrameRow
+from padstudio.flights.flight_tables import FrameBinRow, FrameDetailRow, FrameRow
+from padstudio.flights.frame_bins import bins_of
 
 Record = dict[str, Any]
 
@@ -41,6 +44,41 @@ def rows_of(
         body = {k: v for k, v in record.items() if k not in _IN_ROW and k not in _LEFT_OUT}
         details.append(key | {"chunk": chunk, "body": body})
     return frames, details
+
+
+def insert_rows(
+    session: Session,
+    request: Mapping[str, Any],
+    frames: Sequence[Mapping[str, Any]],
+    details: Sequence[Mapping[str, Any]],
+) -> None:
+    """Store the rows of a run of frames, and what sums them up.
+
+    Parameters
+    ----------
+    session : Session
+        In a transaction.
+    request : mapping
+        The flight's.
+    frames, details : sequence of mapping
+        As `rows_of` gives, ascending by number; not empty.
+    """
+    session.execute(insert(FrameRow), frames)
+    session.execute(insert(FrameDetailRow), details)
+    session.execute(insert(FrameBinRow), list(bins_of(frames, request)))
+
+
+def select_rows(flight: int) -> Select[tuple[FrameRow, dict[str, Any]]]:
+    """A flight's frames, each with the body of its `FrameDetailRow`, ascending by number."""
+    return (
+        select(FrameRow, FrameDetailRow.body)
+        .join(
+            FrameDetailRow,
+            (FrameDetailRow.flight == FrameRow.flight) & (FrameDetailRow.number == FrameRow.number),
+        )
+        .where(FrameRow.flight == flight)
+        .order_by(FrameRow.number)
+    )
 
 
 def record_of(frame: FrameRow, body: Mapping[str, Any]) -> Record:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
-from sqlalchemy import ColumnElement, Select, func, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
 from padstudio.errors import NotFoundError
-from padstudio.flights.flight_tables import ChunkRow, FlightRow, FrameDetailRow, FrameRow
-from padstudio.flights.result_rows import Record, record_of
+from padstudio.flights.flight_tables import ChunkRow, FlightRow, FrameRow
+from padstudio.flights.result_rows import Record, record_of, select_rows
 
 _READ_ROWS = 2_000
 
@@ -105,7 +104,7 @@ class Results:
         order = FrameRow.number.desc() if backwards else FrameRow.number
         with self._session() as session:
             chosen = session.scalars(numbers.order_by(order).limit(limit)).all()
-            rows = session.execute(_rows(flight.key).where(FrameRow.number.in_(chosen)))
+            rows = session.execute(select_rows(flight.key).where(FrameRow.number.in_(chosen)))
             return [record_of(frame, body) for frame, body in rows]
 
     def frame(self, flight: FlightRow, number: int) -> Record:
@@ -117,7 +116,7 @@ class Results:
             If it has no result (yet).
         """
         with self._session() as session:
-            row = session.execute(_rows(flight.key).where(FrameRow.number == number)).first()
+            row = session.execute(select_rows(flight.key).where(FrameRow.number == number)).first()
         if row is None:
             raise NotFoundError(f"frame {number} of this flight has no result", code="no_result")
         return record_of(*row)
@@ -165,15 +164,3 @@ def _first_from(flight: int, time_s: float) -> ColumnElement[int]:
         .scalar_subquery()
     )
     return func.coalesce(found, 2**31 - 1)
-
-
-def _rows(flight: int) -> Select[tuple[FrameRow, dict[str, Any]]]:
-    return (
-        select(FrameRow, FrameDetailRow.body)
-        .join(
-            FrameDetailRow,
-            (FrameDetailRow.flight == FrameRow.flight) & (FrameDetailRow.number == FrameRow.number),
-        )
-        .where(FrameRow.flight == flight)
-        .order_by(FrameRow.number)
-    )

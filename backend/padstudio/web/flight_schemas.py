@@ -83,8 +83,6 @@ SUMMARY_EXAMPLE: dict[str, Any] = {
     "stages": {"decode": 2},
     "reasons": {"unknown_code": 2},
     "layers": {"red": 50, "blue": 8},
-    "timeline": [{"at": 0, "first_frame": 0, "ok": 28, "failed": 2}],
-    "heights": {"frame": [0, 1], "time_s": [0.0, 0.033], "height_mm": [1043.2, 1018.4]},
 }
 TELEMETRY_EXAMPLE: dict[str, Any] = {
     "time_s": [0.0, 0.033],
@@ -226,10 +224,6 @@ class FlightSummary(BaseModel):
     stages: dict[str, int] = Field(description="First failing stage: frames.")
     reasons: dict[str, int]
     layers: dict[str, int]
-    timeline: list[dict[str, int]] = Field(
-        description="Outcomes by second; by hundred frames where they have no times."
-    )
-    heights: dict[str, list[Any]]
 
 
 class TelemetryColumns(BaseModel):

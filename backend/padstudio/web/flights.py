@@ -176,13 +176,9 @@ def get_frame(flight_id: ItemId, number: FrameNumber, shared: Shared) -> FrameRe
 
 
 @router.get("/{flight_id}/summary", operation_id="getFlightSummary", summary="Figures of a flight")
-def get_flight_summary(
-    flight_id: ItemId,
-    shared: Shared,
-    points: Annotated[int, Query(ge=2, le=20_000, description="Most points of a series.")] = 2000,
-) -> FlightSummary:
+def get_flight_summary(flight_id: ItemId, shared: Shared) -> FlightSummary:
     flight = shared.flights.flights.get(flight_id)
-    return FlightSummary.model_validate(shared.flights.summaries.of(flight, points))
+    return FlightSummary.model_validate(shared.flights.summaries.of(flight))
 
 
 @router.get(
