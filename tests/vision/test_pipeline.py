@@ -7,8 +7,9 @@ from dense_frames import errors, frame_of, near_view, sample_pad, small_camera
 from padstudio.errors import CameraMismatchError, ImageError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
+from padstudio.pad.coverage import METHOD_LIMITS
 from padstudio.vision.pipeline import Detector
-from padstudio.vision.types import STAGES
+from padstudio.vision.types import STAGES, Reason
 
 
 @pytest.fixture(scope="module")
@@ -118,3 +119,7 @@ def test_a_layer_that_was_read_is_not_called_unread():
     assert found.layer == "blue"
     assert found.trace.get("outline").failure is None
     assert [r for r in found.trace.records if r.channel == "blue" and r.failure] == []
+    (red,) = [r.failure for r in found.trace.records if r.channel == "red" and r.failure]
+    assert red.reason is Reason.CELLS_TOO_SMALL
+    needed = METHOD_LIMITS["dense"].cell_px
+    assert f"px wide here, {needed:g} are needed: expected from this height" in red.detail

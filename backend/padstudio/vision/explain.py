@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from padstudio.pad.coverage import METHOD_LIMITS
 from padstudio.pad.spec import Channel
 from padstudio.vision.block_mean import block_mean, clean
 from padstudio.vision.measure import LayerRead
@@ -17,7 +18,7 @@ from padstudio.vision.prepare import take_channel
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.regions import Region
 from padstudio.vision.search import Miss, Search, find, place
-from padstudio.vision.types import StageFailure
+from padstudio.vision.types import Reason, StageFailure
 
 # A cell is this wide where its layer is shown, pixels of the plane.
 _SHOWN_CELL_PX = 9.0
@@ -50,12 +51,15 @@ def explain(
     )
     widths = {read.layer.channel: read.cells.cell_px for read in reads}
     agreed = {read.layer.channel for read in reads if read.evidence.suffices(0.0)}
+    expected = _too_far(frame, reads, agreed)
     for channel in frame.indices:
         shown = _level(frame.pyramid, widths.get(channel), level)
         plane = take_channel(frame.pyramid, frame.stretch, channel, shown, region.box)
         binary = recorder.run("block_mean", channel, block_mean, plane, _BLOCKS)
         recorder.run("clean", channel, clean, binary, 2)
-        _run(local, region, shown, channel, known=channel in agreed)
+        _run(local, region, shown, channel, known=channel in agreed | expected.keys())
+        if channel in expected:
+            recorder.note("lines", channel, expected[channel])
     for read in reads:
         recorder.note("decode", read.layer.channel, read)
     return recorder
@@ -71,6 +75,25 @@ def _run(frame: Search, region: Region, level: int, channel: Channel, *, known: 
     placed = place(frame, found, region)
     if isinstance(placed, Miss) and not known:
         frame.recorder.note("decode", channel, placed.failure)
+
+
+def _too_far(
+    frame: Search, reads: Sequence[LayerRead], agreed: set[Channel]
+) -> dict[Channel, StageFailure]:
+    """Layers whose cells are too small to be read from where the pose says the camera is."""
+    known = next((read for read in reads if read.layer.channel in agreed), None)
+    if known is None:
+        return {}
+    least, found = METHOD_LIMITS["dense"].cell_px, {}
+    for channel, index in frame.indices.items():
+        cell_px = known.cells.cell_px * index.layer.cell_mm / known.layer.cell_mm
+        if channel not in agreed and cell_px < least:
+            detail = (
+                f"its cells are {cell_px:.1f} px wide here, {least:g} are needed: expected from "
+                f"this height, as the pose rests on the {known.layer.channel} layer"
+            )
+            found[channel] = StageFailure("lines", Reason.CELLS_TOO_SMALL, detail)
+    return found
 
 
 def _level(pyramid: Pyramid, cell_px: float | None, level: int | None) -> int:
