@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from padstudio.errors import CameraMismatchError, ImageError
-from padstudio.flights.analysis import THUMBNAIL_WIDTH_PX, Job, analyze
+from padstudio.flights.analysis import THUMBNAIL_WIDTH_PX, Job, analyze, save_picture
 
 FOOTAGE = Path(__file__).parents[1] / "footage"
 STILL = "a_blur1_450.jpg"
@@ -76,3 +76,23 @@ def test_pictures_that_do_not_fit(tmp_path: Path) -> None:
     with pytest.raises(ImageError):
         analyze(_job(tmp_path, b"x"))
     assert not list(tmp_path.iterdir())
+
+
+def test_thumbnails_of_thin_lines_stay_bright(tmp_path: Path) -> None:
+    picture = np.zeros((1530, 2720, 3), np.uint8)
+    picture[::50], picture[:, ::50] = 255, 255
+    for is_thin in (False, True):
+        save_picture(tmp_path, f"{is_thin}.png", picture, is_thin=is_thin)
+    small, plain = (
+        cv2.imread(str(tmp_path / f"small-{is_thin}.png"), cv2.IMREAD_GRAYSCALE)
+        for is_thin in (True, False)
+    )
+    assert plain[:, 3:8].max() < 64
+    assert small[:, 3:8].max(axis=0).min() > 200
+    assert (small > 128).mean() > 0.2
+
+
+def test_edges_are_drawn_for_a_thumbnail(tmp_path: Path) -> None:
+    analyze(_job(tmp_path))
+    small = cv2.imread(str(tmp_path / "small-red-edges.png"), cv2.IMREAD_GRAYSCALE)
+    assert (small > 128).mean() > 0.05

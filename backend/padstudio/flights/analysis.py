@@ -26,6 +26,7 @@ RESULT = "result"
 RESULT_PICTURE = f"{RESULT}.png"
 THUMBNAIL_PREFIX = "small-"
 THUMBNAIL_WIDTH_PX = 480
+_THIN_STAGES = ("edges",)
 _ENCODING = {
     ".png": [cv2.IMWRITE_PNG_COMPRESSION, 1],
     ".webp": [cv2.IMWRITE_WEBP_QUALITY, 85],
@@ -164,7 +165,7 @@ def _save_stage(folder: Path, trace: Trace, record: StageRecord, suffix: str) ->
         return None
     name = f"{record.channel}-{record.name}" if record.channel else record.name
     name += suffix
-    save_picture(folder, name, picture)
+    save_picture(folder, name, picture, is_thin=record.name in _THIN_STAGES)
     return name
 
 
@@ -172,8 +173,17 @@ def _save(folder: Path, name: str, trace: Trace, detection: Detection) -> None:
     save_picture(folder, name, overlays.result_picture(trace, detection))
 
 
-def save_picture(folder: Path, name: str, picture: Image) -> None:
-    """Write a picture and its thumbnail, in the form that its name ends in."""
+def save_picture(folder: Path, name: str, picture: Image, *, is_thin: bool = False) -> None:
+    """Write a picture and its thumbnail, in the form that its name ends in.
+
+    Parameters
+    ----------
+    folder : Path
+    name : str
+    picture : (h, w, 3) uint8
+    is_thin : bool
+        Bright lines on black, which the thumbnail's mean would darken: it has their brightest.
+    """
     if picture.ndim == 3 and not np.ptp(picture[::7, ::7].astype(np.int16), axis=2).any():
         # Most stages are grey in three channels; one is a third of the work.
         grey = picture[:, :, 0]
@@ -183,6 +193,9 @@ def save_picture(folder: Path, name: str, picture: Image) -> None:
     height, width = picture.shape[:2]
     if width > THUMBNAIL_WIDTH_PX:
         size = (THUMBNAIL_WIDTH_PX, max(1, round(height * THUMBNAIL_WIDTH_PX / width)))
+        if is_thin:
+            reach = -(-width // THUMBNAIL_WIDTH_PX)
+            picture = np.asarray(cv2.dilate(picture, np.ones((reach, reach), np.uint8)), np.uint8)
         picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
     _encode(folder / (THUMBNAIL_PREFIX + name), picture)
 

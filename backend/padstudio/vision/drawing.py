@@ -64,8 +64,9 @@ def enlarge(picture: Image) -> tuple[Image, int]:
 
 def points(picture: Image, xy: Array, color: Color, factor: int = 1) -> None:
     """Mark positions of a picture enlarged by a factor."""
-    size = max(1, factor // 2)
     h, w = picture.shape[:2]
+    # Large pictures are looked at scaled down, where single pixels fade.
+    size = max(1, factor // 2, round(w / MAX_WIDTH))
     first = np.round((xy + 0.5) * factor - size / 2).astype(int)
     for dy in range(size):
         for dx in range(size):
