@@ -29,9 +29,9 @@ from padstudio.vision.types import Array
 
 # Steps on a part of the pixels, as far as they serve, then on all.
 _ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
-_STEPS = 3
-# A step that moves the picture by less ends the iteration.
-_ROUGHLY_SETTLED_PX, _SETTLED_PX = 0.05, 5e-3
+_STEPS = 4
+# A step that is shorter than so many standard deviations, squared, ends the iteration.
+_ROUGHLY_SETTLED, _SETTLED = 0.5, 0.05
 # Residuals beyond so many standard deviations, and grey values, are trusted little.
 _TRUSTED, _LEAST_SCALE = 3.0, 0.3
 
@@ -98,16 +98,15 @@ class Match:
     ----------
     pixels : Pixels
     texture : Texture
-    focal_px : float
     """
 
-    def __init__(self, pixels: Pixels, texture: Texture, focal_px: float) -> None:
+    def __init__(self, pixels: Pixels, texture: Texture) -> None:
         self._all, self._few = pixels, pixels.thinned(_ROUGH_PIXELS)
         self._texture = texture
-        self._focal_px = focal_px
         self._scale = np.zeros(len(pixels.values))
         self._brightness: Array | None = None
         self._rms_px = 0.0
+        self._compared = False
 
     @classmethod
     def of(cls, pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose) -> Match | None:
@@ -116,7 +115,7 @@ class Match:
         if pixels is None:
             return None
         texture = texture_of(pad, camera.focal_px / float(start.pose.position_mm[2]))
-        return cls(pixels, texture, camera.focal_px)
+        return cls(pixels, texture)
 
     def fit(
         self,
@@ -151,9 +150,13 @@ class Match:
         begin = start if motion else MovingPose(start.pose)
         if self._brightness is None:
             self._find_brightness(begin)
-        pose = self._settle(begin, prior, self._few, _ROUGH_STEPS, _ROUGHLY_SETTLED_PX)
+        pose: MovingPose | None = begin
+        # A start that all pixels led to is not bettered by a few of them.
+        if not self._compared:
+            pose = self._settle(begin, prior, self._few, _ROUGH_STEPS, _ROUGHLY_SETTLED)
         if pose is not None and not rough:
-            pose = self._settle(pose, prior, self._all, _STEPS, _SETTLED_PX)
+            pose = self._settle(pose, prior, self._all, _STEPS, _SETTLED)
+            self._compared = True
         if pose is None:
             return None
         settled, everything = pose, np.ones(len(self._all.moment), bool)
@@ -170,13 +173,13 @@ class Match:
                 self._brightness[channel] += part.change
 
     def _settle(
-        self, pose: MovingPose, prior: MotionPrior, pixels: Pixels, steps: int, least_px: float
+        self, pose: MovingPose, prior: MotionPrior, pixels: Pixels, steps: int, settled: float
     ) -> MovingPose | None:
         """The pose after some steps, or None where the picture leaves it undetermined."""
         assert self._brightness is not None
         for _ in range(steps):
             parts = self._equations(pose, pixels, len(prior.weight))
-            normal = np.diag(prior.weight) + sum(part.normal for part in parts)
+            normal = np.diag(prior.weight) + sum(part.normal * part.share for part in parts)
             right = prior.pull(pose) + sum(part.right for part in parts)
             try:
                 step = np.linalg.solve(normal, right)
@@ -186,9 +189,8 @@ class Match:
                 return None
             pose = pose.moved(np.asarray(step, float))
             for channel, part in enumerate(parts):
-                self._brightness[channel] += part.change - part.shared @ step
-            sideways_px = np.abs(step[:3]).max() * self._focal_px / abs(pose.pose.position_mm[2])
-            if max(sideways_px, np.abs(step[3:6]).max() * self._focal_px) < least_px:
+                self._brightness[channel] += part.change / part.share - part.shared @ step
+            if step @ normal @ step < settled:
                 break
         return pose
 

@@ -16,6 +16,8 @@ from padstudio.vision.types import Array
 
 #: Terms of a shading; those that a layer's gain shares with it come first.
 SHADE, GAIN = 6, 3
+#: Pixels that are gathered at a time.
+BLOCK = 64
 
 
 @fast_jit
@@ -71,15 +73,17 @@ def meet_pad(
 
 
 @fast_jit
-def bilinear(layer: NDArray[np.float32], x: float, y: float) -> float:
-    """The value of a picture between its pixels; beyond its rim that of the rim."""
+def shown_at(layer: NDArray[np.float32], x: float, y: float) -> tuple[float, float, float]:
+    """The value of a picture between its pixels and its slopes there; beyond its rim the rim's."""
     h, w = layer.shape
     x, y = min(max(x, 0.0), w - 1.001), min(max(y, 0.0), h - 1.001)
-    c, r = int(x), int(y)
+    c, r = np.uintp(x), np.uintp(y)
     fx, fy = x - c, y - r
-    top = layer[r, c] * (1 - fx) + layer[r, c + 1] * fx
-    low = layer[r + 1, c] * (1 - fx) + layer[r + 1, c + 1] * fx
-    return float(top * (1 - fy) + low * fy)
+    here, right = layer[r, c], layer[r, c + 1]
+    below, beyond = layer[r + 1, c], layer[r + 1, c + 1]
+    top, low = here + fx * (right - here), below + fx * (beyond - below)
+    along = right - here + fy * (beyond - below - right + here)
+    return float(top + fy * (low - top)), float(along), float(low - top)
 
 
 @fast_jit
@@ -129,53 +133,120 @@ def match_pattern(
         `padstudio.vision.covariance.newton_share`), and of squared slopes per mm.
     residuals : (C, N) float32
     """
-    count, linear = len(layers), SHADE + GAIN * len(layers)
+    channels, linear = len(values), SHADE + GAIN * len(layers)
     width = size + linear
-    normal = np.zeros((len(values), width, width))
-    right, sums = np.zeros((len(values), tiles, width)), np.zeros((len(values), 4))
+    normal = np.zeros((channels, width, width))
+    right, sums = np.zeros((channels, tiles, width)), np.zeros((channels, 4))
     residuals = np.empty(values.shape, np.float32)
-    row, met, slopes = np.empty(width), np.empty((2, 7)), np.empty((count, 2))
-    for i in range(len(rays)):
-        meet_pad(rays[i], moment[i], rotation, centre, shift, turn, met)
-        x, y = place[0] + place[1] * met[0, 0], place[2] + place[3] * met[1, 0]
-        for a in range(SHADE):
-            row[size + a] = shade[i, a]
-        for k in range(count):
-            shown = bilinear(layers[k], x, y)
-            for a in range(GAIN):
-                row[size + SHADE + GAIN * k + a] = shown * shade[i, a]
+    rows, met = np.zeros((width, BLOCK)), np.empty((2, 7))
+    reach, slopes = np.zeros((14, BLOCK)), np.zeros((2 * len(layers), BLOCK))
+    left, weight = np.zeros(BLOCK), np.zeros(BLOCK)
+    for first in range(0, len(rays), BLOCK):
+        end = min(first + BLOCK, len(rays))
+        for i in range(first, end):
+            meet_pad(rays[i], moment[i], rotation, centre, shift, turn, met)
+            for k in range(7):
+                reach[k, i - first], reach[7 + k, i - first] = met[0, k], met[1, k]
+        part = slice(first, end)
+        show(layers, reach, place, shade[part], rows[size:], slopes)
+        for c in range(channels):
+            compare(values[c, part], rows[size:], known[c], scale[c], left, weight, sums[c])
+            for i in range(first, end):
+                residuals[c, i] = left[i - first]
             if size > 0:
-                layer = layers[k]
-                slopes[k, 0] = bilinear(layer, x + 0.5, y) - bilinear(layer, x - 0.5, y)
-                slopes[k, 1] = bilinear(layer, x, y + 0.5) - bilinear(layer, x, y - 0.5)
-        for c in range(len(values)):
-            left = float(values[c, i])
-            for a in range(linear):
-                left -= known[c, a] * row[size + a]
-            residuals[c, i] = left
-            share = 1.0
-            if scale[c] > 0:
-                share = 1 / (1 + (left / scale[c]) ** 2)
-            weight = share * share
-            if size > 0:
-                along, down = 0.0, 0.0
-                for k in range(count):
-                    gain = 0.0
-                    for a in range(GAIN):
-                        gain += known[c, SHADE + GAIN * k + a] * shade[i, a]
-                    along += gain * slopes[k, 0] * place[1]
-                    down += gain * slopes[k, 1] * place[3]
-                sums[c, 3] += along * along + down * down
-                for a in range(6):
-                    row[a] = along * met[0, 1 + a] + down * met[1, 1 + a]
-                for a in range(6, size):
-                    row[a] = moment[i] * row[a - 6]
-            sums[c, 0] += weight * left * left
-            sums[c, 1] += weight
-            sums[c, 2] += weight * (4 * share - 3)
-            for a in range(width):
-                t = weight * row[a]
-                right[c, tile[i], a] += t * left
-                for b in range(a + 1):
-                    normal[c, a, b] += t * row[b]
+                lean(known[c], rows, slopes, reach, place, moment[part], size, sums[c])
+            gather(rows, weight, left, tile[part], normal[c], right[c])
     return normal, right, sums, residuals
+
+
+@fast_jit
+def show(
+    layers: NDArray[np.float32],
+    reach: Array,
+    place: Array,
+    shade: Array,
+    terms: Array,
+    slopes: Array,
+) -> None:
+    """A block's terms of brightness (6 + 3 L, n), and the layers' slopes (2 L, n)."""
+    for i in range(len(shade)):
+        for a in range(SHADE):
+            terms[a, i] = shade[i, a]
+    for k in range(len(layers)):
+        layer, base = layers[k], SHADE + GAIN * k
+        for i in range(len(shade)):
+            x, y = place[0] + place[1] * reach[0, i], place[2] + place[3] * reach[7, i]
+            shown, slopes[2 * k, i], slopes[2 * k + 1, i] = shown_at(layer, x, y)
+            for a in range(GAIN):
+                terms[base + a, i] = shown * shade[i, a]
+
+
+@fast_jit
+def compare(
+    values: NDArray[np.float32],
+    terms: Array,
+    known: Array,
+    scale: float,
+    left: Array,
+    weight: Array,
+    sums: Array,
+) -> None:
+    """Residuals of a block of pixels and what they are trusted; beyond the block's end nothing."""
+    left[:], weight[:] = 0.0, 0.0
+    left[: len(values)] = values
+    for a in range(len(known)):
+        for i in range(len(values)):
+            left[i] -= known[a] * terms[a, i]
+    for i in range(len(values)):
+        share = 1.0 / (1 + (left[i] / scale) ** 2) if scale > 0 else 1.0
+        weight[i] = share * share
+        sums[0] += weight[i] * left[i] * left[i]
+        sums[1] += weight[i]
+        sums[2] += weight[i] * (4 * share - 3)
+
+
+@fast_jit
+def lean(
+    known: Array,
+    rows: Array,
+    slopes: Array,
+    reach: Array,
+    place: Array,
+    moment: Array,
+    size: int,
+    sums: Array,
+) -> None:
+    """Change of a block's pixels with the pose, (size, n) into ``rows``."""
+    for i in range(len(moment)):
+        along = down = 0.0
+        for k in range(len(slopes) // 2):
+            gain = 0.0
+            for a in range(GAIN):
+                gain += known[SHADE + GAIN * k + a] * rows[size + a, i]
+            along += gain * slopes[2 * k, i] * place[1]
+            down += gain * slopes[2 * k + 1, i] * place[3]
+        sums[3] += along * along + down * down
+        for a in range(6):
+            rows[a, i] = along * reach[1 + a, i] + down * reach[8 + a, i]
+        for a in range(6, size):
+            rows[a, i] = moment[i] * rows[a - 6, i]
+
+
+@fast_jit
+def gather(
+    rows: Array, weight: Array, left: Array, tile: NDArray[np.intp], normal: Array, right: Array
+) -> None:
+    """Add a block's normal equations; whole blocks at a time go through vector registers."""
+    weighted = np.empty(BLOCK)
+    for a in range(len(rows)):
+        for i in range(BLOCK):
+            weighted[i] = weight[i] * rows[a, i]
+        for b in range(a + 1):
+            total = 0.0
+            for i in range(BLOCK):
+                total += weighted[i] * rows[b, i]
+            normal[a, b] += total
+    for i in range(len(tile)):
+        pull = weight[i] * left[i]
+        for a in range(len(rows)):
+            right[tile[i], a] += pull * rows[a, i]

@@ -106,9 +106,12 @@ def pixels_of(pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose) -> P
     width, height = pad.size_mm
     rim = _RIM_PX * float(pose.pose.position_mm[2]) / camera.focal_px
     inside = (np.abs(points[:, 0]) < width / 2 - rim) & (np.abs(points[:, 1]) < height / 2 - rim)
-    if int(inside.sum()) < _LEAST_PIXELS:
+    which = np.flatnonzero(inside)
+    if len(which) < _LEAST_PIXELS:
         return None
-    xy, rays = xy[inside], rays[inside]
+    if len(which) > _MOST_PIXELS:
+        which = which[np.linspace(0, len(which) - 1, _MOST_PIXELS).astype(np.intp)]
+    xy, rays = xy[which], rays[which]
     shown = pyramid.level(0)[xy[:, 1], xy[:, 0]]
     values = np.stack([shown[:, BGR_INDEX[layer.channel]] for layer in pad.layers])
     u, v = ((xy - xy.mean(axis=0)) / max(box.side / 2, 1)).T
