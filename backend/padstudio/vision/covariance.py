@@ -99,3 +99,14 @@ def with_picture_shift(covariance: Array, focal_px: float) -> Array:
     out = covariance.copy()
     out[[3, 4], [3, 4]] += (_PICTURE_SHIFT_PX / focal_px) ** 2
     return out
+
+
+def with_bend(covariance: Array, height_mm: float) -> Array:
+    """A pose's covariance (6, 6) with what its own size makes of it in the second order.
+
+    A camera that is tilted by δ more than it says, and stands the more aside for it, is lower by
+    δ²/2 of its height: straight lines of equal likelihood are arcs.
+    """
+    unit = np.array([height_mm] * 3 + [1.0] * 3)
+    largest = float(np.linalg.eigvalsh(covariance[3:, 3:])[-1])
+    return covariance + np.diag((unit * largest / 2) ** 2)

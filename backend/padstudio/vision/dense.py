@@ -12,7 +12,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.choose import Choice, choose
-from padstudio.vision.covariance import with_picture_shift
+from padstudio.vision.covariance import with_bend, with_picture_shift
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
@@ -271,6 +271,7 @@ def _whole(found: WholeSign, focal_px: float) -> Detection:
 
 def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
     covariance = with_picture_shift(fit.covariance, focal_px)
+    covariance = with_bend(covariance, float(fit.pose.pose.position_mm[2]))
     sigma = np.sqrt(np.diag(covariance))
     return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
 
