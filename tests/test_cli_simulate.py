@@ -86,10 +86,10 @@ def test_coverage_shows_spans_and_the_dead_band(files):
     result = run(*arguments, "--tilts", "0", "--switch-mm", 180)
     need = METHOD_LIMITS["dense"].cells_across or 5.0
     # Cells of 10 mm across 1530 px at f = 1886 px.
-    assert f"red       0°  {need * 10 * 1886 / 1530:6.0f} " in result.stdout
+    assert f"red           0°  {need * 10 * 1886 / 1530:6.0f} " in result.stdout
     assert f"2.9 blue cells across, not {need:g}" in result.stderr
     data = json.loads(run(*arguments, "--tilts", "0,40", "--json").stdout)
-    assert [span["channel"] for span in data["spans"]] == ["red", "blue"] * 2
+    assert [span["layer"] for span in data["spans"]] == ["red", "blue", "outline"] * 2
     assert data["dead_bands"] == []
 
 

@@ -13,7 +13,8 @@ from padstudio.cli_support import load_camera, load_pad, note, progress_bar
 
 if TYPE_CHECKING:
     from padstudio.geometry.camera import Camera
-    from padstudio.pad.coverage import DeadBand, Span
+    from padstudio.pad.coverage import Span
+    from padstudio.pad.dead_bands import DeadBand
     from padstudio.pad.spec import Pad
     from padstudio.simulate.coverage import SuccessMap
 
@@ -68,13 +69,14 @@ def coverage(
     seed: Seed = 1,
     as_json: AsJson = False,
 ) -> None:
-    """Show the heights and tilts at which each layer of a pad reads.
+    """Show the heights and tilts at which each layer of a pad, and the sign as a whole, reads.
 
-    From geometry at once; with --simulate from rendered frames too. Warns of heights between the
-    layers at which neither reads.
+    From geometry at once; with --simulate from rendered frames too. Warns of heights between those
+    that read, at which nothing does.
     """
-    from padstudio.pad.coverage import METHOD_LIMITS, dead_bands
+    from padstudio.pad.coverage import METHOD_LIMITS
     from padstudio.pad.coverage import coverage as spans_of
+    from padstudio.pad.dead_bands import dead_bands
     from padstudio.simulate.coverage import view_of
 
     the_pad, the_camera = load_pad(pad), load_camera(camera)
@@ -168,31 +170,21 @@ def _print_json(spans: Spans, bands: Bands, found: SuccessMap | None) -> None:
         "dead_bands": [{"tilt_deg": tilt} | vars(band) for tilt, band in bands],
     }
     if found is not None:
-        data["simulated"] = _map_record(found)
+        data["simulated"] = found.as_dict()
     json.dump(data, sys.stdout, indent=1)
     print()
 
 
 def _print_text(spans: Spans, bands: Bands, found: SuccessMap | None) -> None:
-    print("layer   tilt   from      to")
+    print("layer       tilt   from      to")
     for span in spans:
         reach = f"{span.low_mm:6.0f}  {span.high_mm:6.0f} mm" if span.reads else "reads nowhere"
-        print(f"{span.channel:6}  {span.tilt_deg:3.0f}°  {reach}")
+        name = "whole sign" if span.layer == "outline" else span.layer
+        print(f"{name:10}  {span.tilt_deg:3.0f}°  {reach}")
     for tilt, band in bands:
         note(f"warning: at {tilt:g}° {band.message}")
     if found is not None:
         _print_map(found)
-
-
-def _map_record(found: SuccessMap) -> dict[str, Any]:
-    return {
-        "axis": found.axis,
-        "heights_mm": found.heights_mm.tolist(),
-        "values": found.values.tolist(),
-        "success": found.share.tolist(),
-        "wrong": found.wrong.tolist(),
-        "trials": found.trials,
-    }
 
 
 def _print_map(found: SuccessMap) -> None:

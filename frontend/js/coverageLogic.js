@@ -4,7 +4,7 @@
  * @typedef {"dense" | "paper"} Method
  *
  * @typedef {object} Span  heights at which a layer reads at one tilt; null where at none
- * @property {string} channel
+ * @property {string} layer  a channel, or "outline": the sign as a whole
  * @property {number} tilt_deg
  * @property {number | null} low_mm
  * @property {number | null} high_mm
@@ -19,6 +19,7 @@
  * @property {Method} method
  * @property {number} cells_across
  * @property {number} cell_px
+ * @property {number | null} sign_cell_px
  * @property {Span[]} spans
  * @property {DeadBand[]} dead_bands
  *
@@ -47,8 +48,11 @@ export const TILTS_DEG = Array.from({ length: 31 }, (_, place) => 2.5 * place);
 export const ofMethod = (chart, method) =>
   chart?.methods.find((each) => each.method === method) ?? null;
 
-/** @param {MethodCoverage} coverage @returns {string[]} the finest layer first */
-export const channelsOf = (coverage) => [...new Set(coverage.spans.map((span) => span.channel))];
+/** @param {MethodCoverage} coverage @returns {string[]} the finest layer first, the whole sign last */
+export const layersOf = (coverage) => [...new Set(coverage.spans.map((span) => span.layer))];
+
+/** @param {string} layer */
+export const layerInWords = (layer) => (layer === "outline" ? "whole sign" : `${layer} layer`);
 
 /**
  * Heights between which a chart shows everything, at whole steps of 1, 2, 5.
@@ -195,14 +199,14 @@ export function deadBandInWords(coverage) {
 }
 
 /**
- * Heights that each layer reads from straight above.
+ * Heights that each layer, and the sign as a whole, reads from straight above.
  * @param {MethodCoverage} coverage
  * @returns {[string, string][]}
  */
 export function heightFacts(coverage) {
   return coverage.spans
     .filter((span) => span.tilt_deg === 0)
-    .map((span) => [`${capital(span.channel)} layer`, spanInWords(span)]);
+    .map((span) => [capital(layerInWords(span.layer)), spanInWords(span)]);
 }
 
 /** @param {Span} span @returns {string} */
@@ -216,16 +220,20 @@ export const spanInWords = ({ low_mm: low, high_mm: high }) =>
  * @returns {string}
  */
 export function placeInWords(coverage, { tiltDeg, heightMm }) {
-  const readers = channelsOf(coverage).filter((channel) => {
-    const spans = coverage.spans.filter((span) => span.channel === channel);
+  const readers = layersOf(coverage).filter((layer) => {
+    const spans = coverage.spans.filter((span) => span.layer === layer);
     const near = spans.reduce((a, b) =>
       Math.abs(b.tilt_deg - tiltDeg) < Math.abs(a.tilt_deg - tiltDeg) ? b : a,
     );
     return near.low_mm !== null && heightMm >= near.low_mm && heightMm <= Number(near.high_mm);
   });
-  const what = readers.length ? `${readers.join(" and ")} read${readers.length > 1 ? "" : "s"}` : "nothing reads";
+  const names = readers.map((layer) => (layer === "outline" ? "the whole sign" : layer));
+  const what = names.length ? `${listed(names)} read${names.length > 1 ? "" : "s"}` : "nothing reads";
   return `${length(heightMm)}, tilt ${tiltDeg.toFixed(0)}°: ${what}`;
 }
+
+/** @param {string[]} words @returns {string} */
+const listed = (words) => [words.slice(0, -1).join(", "), ...words.slice(-1)].filter(Boolean).join(" and ");
 
 /** @param {string} word */
 export const capital = (word) => word.charAt(0).toUpperCase() + word.slice(1);

@@ -27,13 +27,15 @@ def plan(open_page: Callable[..., Page]) -> Page:
 
 def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
     chart = plan.locator("#chart svg")
-    expect(chart.locator(".area")).to_have_count(2)
-    expect(chart.locator(".outline")).to_have_count(2)
+    # Two layers and the whole sign.
+    expect(chart.locator(".area")).to_have_count(3)
+    expect(chart.locator(".outline")).to_have_count(3)
     expect(chart.locator(".dead-band")).to_have_count(0)
     # So many cells of 10 mm across 765 px at f = 943 px.
     low = (METHOD_LIMITS["dense"].cells_across or 5) * 10 * 943 / 765
     shown = re.compile(rf"Red layer\s*{low:.1f} mm")
     expect(plan.locator("#chart-facts")).to_contain_text(shown)
+    expect(plan.locator("#chart-facts")).to_contain_text("Whole sign")
     plan.get_by_role("radio", name="Paper").check(force=True)
     expect(chart.locator(".dead-band")).to_have_count(1)
     expect(plan.locator("#dead-band")).to_contain_text("no layer reads")
@@ -47,7 +49,7 @@ def test_the_chart_is_read_under_the_pointer(plan: Page) -> None:
     assert box
     readout = plan.locator("#chart [data-ref=readout]")
     plan.mouse.move(box["x"] + 70, box["y"] + 0.5 * box["height"])
-    expect(readout).to_contain_text(re.compile("tilt [01]°: (red|blue) "))
+    expect(readout).to_contain_text(re.compile("tilt [01]°: (red|blue)"))
     plan.mouse.move(box["x"] + 70, box["y"] + box["height"] - 45)
     expect(readout).to_contain_text("nothing reads")
 

@@ -6,7 +6,7 @@ import pytest
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.pad.coverage import METHOD_LIMITS, layer_span
+from padstudio.pad.coverage import METHOD_LIMITS, coverage, layer_span
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.coverage import judge, only, success_map, view_of
 from padstudio.simulate.imaging import Imaging
@@ -112,34 +112,67 @@ def test_limits_are_named():
         success_map(scene, camera(), lambda bgr: None, heights_mm=[0.5])
 
 
-def test_the_chart_agrees_with_what_simulation_finds():
-    """To one cell across at the low end; at the high end, which fades, to 15 % and a third."""
-    field = np.random.default_rng(0).integers(0, 2, (25, 25)).astype(np.uint8)
-    lone = Pad((Layer("blue", 50.0, field),))
-    half = camera(1360, 765, 943.0)
-    view = view_of(half)
-    span = layer_span(lone, lone.layers[0], view, METHOD_LIMITS["dense"])
-    one_cell = 50.0 / view.extent_per_height(0.0)
-    detector = Detector(lone, half)
+def lone(cells, cell_mm):
+    """A pad of one layer."""
+    field = np.random.default_rng(3).integers(0, 2, (cells, cells)).astype(np.uint8)
+    return Pad((Layer("blue", cell_mm, field),))
 
-    def by_cells(bgr):
-        # The chart is of layers; from farther still the whole sign's outline gives poses.
-        detection = detector.detect(bgr)
-        return None if detection.layer == "outline" else detection.pose
 
+def shares(pad, shot, heights_mm, tilt_deg, trials):
+    """Share of frames that the detector reads, at each height."""
+    detector = Detector(pad, shot)
     found = success_map(
-        Scene(pad=lone),
-        half,
-        by_cells,
-        heights_mm=[
-            span.low_mm - one_cell,
-            span.low_mm + one_cell,
-            span.high_mm * 0.85,
-            span.high_mm * 1.35,
-        ],
-        trials=3,
+        Scene(pad=pad),
+        shot,
+        lambda bgr: detector.detect(bgr).pose,
+        heights_mm=heights_mm,
+        values=[tilt_deg],
+        trials=trials,
     )
-    below, low, high, above = found.share[:, 0]
-    assert min(low, high) > 0.6
-    assert max(below, above) < 0.4
-    assert not found.wrong.any()
+    return found.share[:, 0]
+
+
+@pytest.mark.parametrize(
+    ("cells", "cell_mm", "tilt_deg", "trials"),
+    [
+        # Straight above the lean is lost first, which fades; then the sign's side, then its cells.
+        (25, 50.0, 0.0, 12),
+        (25, 50.0, 55.0, 6),
+        (40, 20.0, 30.0, 6),
+    ],
+)
+def test_the_charts_highest_height_is_where_half_of_the_frames_are_read(
+    cells, cell_mm, tilt_deg, trials
+):
+    """To 10 %, by Spearman and Kärber's mean over heights from three quarters to four thirds."""
+    pad, shot = lone(cells, cell_mm), camera(640, 480, 500.0)
+    spans = coverage(pad, view_of(shot), METHOD_LIMITS["dense"], (tilt_deg,))
+    high = max(span.high_mm for span in spans)
+    factors = np.geomspace(0.75, 4 / 3, 5)
+    share = shares(pad, shot, (high * factors).tolist(), tilt_deg, trials)
+    step = np.log(factors[1] / factors[0])
+    half = factors[0] * np.exp(step * (share.sum() - 0.5))
+    assert half == pytest.approx(1.0, abs=0.1)
+    assert share[0] > 0.8
+    assert share[-1] < 0.2
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 30.0])
+def test_the_charts_lowest_height_is_right_to_one_cell(tilt_deg):
+    pad, shot = lone(40, 20.0), camera(640, 480, 500.0)
+    view = view_of(shot)
+    span = layer_span(pad, pad.layers[0], view, METHOD_LIMITS["dense"], tilt_deg)
+    one_cell = 20.0 / view.extent_per_height(tilt_deg)
+    heights = [span.low_mm - one_cell, span.low_mm + one_cell]
+    below, above = shares(pad, shot, heights, tilt_deg, trials=8)
+    assert below < 0.4
+    assert above > 0.6
+
+
+def test_a_layer_larger_than_the_picture_ends_with_its_cells():
+    """No side of the sign is in view."""
+    pad, shot = lone(200, 10.0), camera(640, 480, 500.0)
+    span = layer_span(pad, pad.layers[0], view_of(shot), METHOD_LIMITS["dense"])
+    low, high = shares(pad, shot, [span.high_mm * 0.85, span.high_mm * 1.15], 0.0, trials=6)
+    assert low > 0.8
+    assert high < 0.2

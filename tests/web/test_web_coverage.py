@@ -13,7 +13,8 @@ from web_server import PRESET, SMALL_SPEC, running, settings_for, store_pad
 from padstudio.geometry import presets
 from padstudio.pad import files as pad_files
 from padstudio.pad.advice import advise
-from padstudio.pad.coverage import METHOD_LIMITS, coverage, dead_bands
+from padstudio.pad.coverage import METHOD_LIMITS, coverage
+from padstudio.pad.dead_bands import dead_bands
 from padstudio.simulate.coverage import view_of
 
 PADS = "/api/v1/pads"
@@ -36,8 +37,8 @@ def test_the_chart_is_the_librarys(studio: httpx.Client, pad_id: str) -> None:
     assert [each["method"] for each in chart["methods"]] == list(METHOD_LIMITS)
     for each, limits in zip(chart["methods"], METHOD_LIMITS.values(), strict=True):
         spans = coverage(pad, VIEW, limits, tilts)
-        assert [(s["channel"], s["tilt_deg"]) for s in each["spans"]] == [
-            (s.channel, s.tilt_deg) for s in spans
+        assert [(s["layer"], s["tilt_deg"]) for s in each["spans"]] == [
+            (s.layer, s.tilt_deg) for s in spans
         ]
         for shown, span in zip(each["spans"], spans, strict=True):
             if span.reads:
@@ -51,9 +52,9 @@ def test_sizes_alone_have_a_chart_and_its_dead_bands(studio: httpx.Client) -> No
     body = {"pad": {"layers": TWO_LAYERS}, "camera": PRESET, "tilts_deg": [0]}
     chart = studio.post("/api/v1/coverage", json=body).raise_for_status().json()
     paper = next(each for each in chart["methods"] if each["method"] == "paper")
-    (band,) = paper["dead_bands"]
-    assert 0 < band["low_mm"] < band["high_mm"]
-    assert "no layer reads" in band["message"]
+    assert len(paper["dead_bands"]) == 2
+    assert "blue cells across" in paper["dead_bands"][0]["message"]
+    assert "the sign as a whole" in paper["dead_bands"][1]["message"]
     pad = pad_files.from_dict(
         {
             "format": "padstudio.pad",
@@ -66,8 +67,10 @@ def test_sizes_alone_have_a_chart_and_its_dead_bands(studio: httpx.Client) -> No
             ],
         }
     )
-    (same,) = dead_bands(pad, VIEW, METHOD_LIMITS["paper"])
-    assert (band["low_mm"], band["high_mm"]) == pytest.approx((same.low_mm, same.high_mm))
+    for band, same in zip(
+        paper["dead_bands"], dead_bands(pad, VIEW, METHOD_LIMITS["paper"]), strict=True
+    ):
+        assert (band["low_mm"], band["high_mm"]) == pytest.approx((same.low_mm, same.high_mm))
 
 
 def test_advice_is_the_librarys(studio: httpx.Client) -> None:

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass
 
 from padstudio.errors import SpecError
-from padstudio.pad.coverage import ReadLimits, View
+from padstudio.pad.coverage import ReadLimits, sign_known_to_mm, window_known_to_mm
 from padstudio.pad.spec import MAX_CELLS
+from padstudio.pad.view import View
 
 # The layers' ranges overlap by this factor of height: a gust across the border costs no pose.
 OVERLAP = 1.25
@@ -81,25 +82,15 @@ def advise(
         raise SpecError(
             f"heights {low_mm:g} … {high_mm:g} mm and reach {reach_mm:g} mm are no range above 0"
         )
+    wish = _Wish(view, high_mm, window, limits, (0.0, tilt_deg))
     need = limits.cells_across or float(window)
-    # A leaning camera sees more ground, so that the upright one decides below, the leaning above.
+    # A leaning camera sees more ground, so that the upright one decides below.
     extent = view.extent_per_height(0.0)
-    scale = view.cell_px(1.0, 1.0, tilt_deg)
     cell = round_down(low_mm * extent / need)
-    fine_high = scale * cell / limits.cell_px
-    notes: list[str] = []
-    ratio = 1
-    if fine_high < high_mm:
-        ratio = max(2, math.ceil(high_mm / fine_high))
-        most = max(1, math.floor(extent * scale / (limits.cell_px * need) / OVERLAP))
-        if ratio > most:
-            notes.append(
-                f"two layers reach {fine_high * most:.0f} mm, not {high_mm:.0f}: a ratio above "
-                f"{most} leaves a dead band between the layers; use a third layer, a longer focal "
-                "length for the height or a higher lowest height"
-            )
-            ratio = most
-    cells = _cells(cell, ratio, need, low_mm * extent + 2 * reach_mm)
+    lowest = need * cell / extent
+    ratio, notes = wish.ratio(cell, math.floor(wish.layer_reach_mm(cell) / lowest / OVERLAP))
+    coarse = max(2 * math.ceil(need), math.ceil((low_mm * extent + 2 * reach_mm) / (cell * ratio)))
+    cells = wish.enough(cell, ratio, coarse) * ratio
     room = math.floor(math.sqrt(float(levels) ** min(window * window, 60) / 4)) + window - 1
     if cells > min(room, MAX_CELLS):
         notes.append(
@@ -107,16 +98,76 @@ def advise(
             f"({min(room, MAX_CELLS)} a side at most under rotation); use a larger window or cells"
         )
         cells = max(ratio, min(room, MAX_CELLS) // ratio * ratio)
-    return Advice(cell, ratio, cells, need * cell / extent, fine_high * ratio, tuple(notes))
+    highest = min(wish.layer_reach_mm(cell * ratio), wish.sign_reach_mm(cell, ratio, cells))
+    return Advice(cell, ratio, cells, lowest, highest, tuple(notes))
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """A height that must be read, and what of a pad reads how far up at all of some tilts."""
+
+    view: View
+    high_mm: float
+    window: int
+    limits: ReadLimits
+    tilts_deg: tuple[float, ...]
+
+    def layer_reach_mm(self, cell_mm: float) -> float:
+        """Height up to which a layer's cells are read and its windows tell the pose."""
+        view, limits = self.view, self.limits
+        side_mm = self.window * cell_mm
+        return min(
+            min(
+                view.cell_px(cell_mm, 1.0, tilt) / limits.cell_px,
+                window_known_to_mm(side_mm, view, limits, tilt),
+            )
+            for tilt in self.tilts_deg
+        )
+
+    def sign_reach_mm(self, cell_mm: float, ratio: int, cells: int) -> float:
+        """Height up to which a pad of so many fine cells a side tells the pose."""
+        side_mm, sizes = cells * cell_mm, sorted({cell_mm, cell_mm * ratio})
+        return min(
+            sign_known_to_mm(side_mm, sizes, self.view, self.limits, tilt)
+            for tilt in self.tilts_deg
+        )
+
+    def ratio(self, cell_mm: float, most: int) -> tuple[int, list[str]]:
+        """The least ratio that reads the height, at most ``most``; a note where that is too low."""
+        ratio = max(1, math.ceil(self.high_mm / self.layer_reach_mm(cell_mm) * (1 - 1e-9)))
+        while ratio <= most and self.layer_reach_mm(cell_mm * ratio) < self.high_mm * (1 - 1e-9):
+            ratio += 1
+        if ratio <= max(1, most):
+            return ratio, []
+        most = max(1, most)
+        reached = self.layer_reach_mm(cell_mm * most)
+        note = (
+            f"two layers reach {reached:.0f} mm, not {self.high_mm:.0f}: a ratio above {most} "
+            "leaves a dead band between the layers; use a third layer, a longer focal length for "
+            "the height or a higher lowest height"
+        )
+        return most, [note]
+
+    def enough(self, cell_mm: float, ratio: int, least: int) -> int:
+        """Coarse cells a side, from which the pad tells the pose at the height; ``least`` or more.
+
+        Where the cells themselves do not reach the height, as high up as they do.
+        """
+        wanted = min(self.high_mm, self.layer_reach_mm(cell_mm * ratio)) * (1 - 1e-3)
+
+        def tells(coarse: int) -> bool:
+            return self.sign_reach_mm(cell_mm, ratio, coarse * ratio) >= wanted
+
+        low, high = least - 1, least
+        while not tells(high):
+            low, high = high, 2 * high
+        while high - low > 1 and low >= least:
+            middle = (low + high) // 2
+            low, high = (low, middle) if tells(middle) else (middle, high)
+        return high
 
 
 def round_down(value: float) -> float:
     """The largest number of two digits, whose second is 0 or 5, that is not above a value."""
     step = 10.0 ** math.floor(math.log10(value)) / 2
     return float(f"{math.floor(value / step + 1e-9) * step:.6g}")
-
-
-def _cells(cell_mm: float, ratio: int, need: float, ground_mm: float) -> int:
-    """Fine cells a side: two coarse windows fit, and the lowest view stays on the pad."""
-    coarse = max(2 * math.ceil(need), math.ceil(ground_mm / (cell_mm * ratio)))
-    return coarse * ratio

@@ -1,141 +1,107 @@
-"""Heights and tilts at which a pad's layers can be read, from geometry alone.
+"""Heights and tilts at which a pad can be read, from geometry alone.
 
-A layer reads where enough of its cells lie across the picture, and each is enough pixels wide. Both
-grow in proportion to height, so that every limit is a height in closed form. The camera is a
-pinhole whose axis meets the pad; cameras come as plain numbers, as this package knows no lenses.
+Upwards, a layer's cells become too small to be read, or the lean too weak to be seen; downwards,
+too few cells lie across the picture. Where the sign as a whole is in view its four sides tell
+where the cells lie, so that smaller ones will do.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 from padstudio.errors import SpecError
+from padstudio.pad.attitude import Hold, hold_of_borders, hold_of_corners, share_known
 from padstudio.pad.spec import Channel, Layer, Pad
+from padstudio.pad.view import View, radians
 
 Method = Literal["dense", "paper"]
+#: What a pose rests on, as in the detector's results: a layer's cells, or the sign as a whole.
+Source = Channel | Literal["outline"]
 
-
-@dataclass(frozen=True, kw_only=True)
-class View:
-    """A pinhole camera as plain numbers.
-
-    Attributes
-    ----------
-    width_px, height_px : int
-    focal_px : float
-    """
-
-    width_px: int
-    height_px: int
-    focal_px: float
-
-    def __post_init__(self) -> None:
-        if min(self.width_px, self.height_px) < 1 or not 0 < self.focal_px < math.inf:
-            raise SpecError("a view has a width, a height and a focal length above 0 pixels")
-
-    def extent_per_height(self, tilt_deg: float) -> float:
-        """Length of ground across the picture's middle, over the camera's height.
-
-        The shorter of the picture's two middle lines counts; infinite where it meets the horizon.
-        """
-        tilt = _radians(tilt_deg)
-        extents = []
-        # The axis leans along the one side or the other: the worse of the two must do.
-        for along, across in ((self.width_px, self.height_px), (self.height_px, self.width_px)):
-            half = math.atan(along / 2 / self.focal_px)
-            if tilt + half < math.pi / 2:
-                extents.append(math.tan(tilt + half) - math.tan(tilt - half))
-            extents.append(across / self.focal_px / math.cos(tilt))
-        return min(extents)
-
-    def cells_across(self, cell_mm: float, height_mm: float, tilt_deg: float = 0.0) -> float:
-        """Cells across the picture's shorter middle line."""
-        return self.extent_per_height(tilt_deg) * height_mm / cell_mm
-
-    def cell_px(self, cell_mm: float, height_mm: float, tilt_deg: float = 0.0) -> float:
-        """Width in pixels of a cell on the optical axis: the geometric mean of its two sides.
-
-        Tilt shrinks one side by cos θ, as it lies farther away, and the other by cos² θ.
-        """
-        return self.focal_px * cell_mm * math.pow(math.cos(_radians(tilt_deg)), 1.5) / height_mm
+# A pose counts as read within this share of the height and 1 mm, and this angle.
+_PLACE_SHARE, _PLACE_MM, _ATTITUDE_DEG = 0.02, 1.0, 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReadLimits:
-    """What a method needs to read a layer.
+    """What a method needs to read a pad.
 
     Attributes
     ----------
     cells_across : float or None
         Least cells across the picture; None is the pad's window.
     cell_px : float
-        Least width of a cell, pixels, as of `View.cell_px`.
+        Least width of a layer's cell, pixels, as of `View.cell_px`.
+    sign_cell_px : float or None
+        Least width of the coarsest cell where the whole sign is in view; None where a method takes
+        no notice of it.
+    sign_side_px : float
+        Least shorter side of the whole sign.
+    border_px : float or None
+        Noise of a pixel's length of border, for a method that takes its pose from all borders.
+    corner_px, sign_corner_px : float or None
+        Noise of a corner, for one that takes it from four: of a window between fitted lines, and of
+        the sign between its own sides.
     """
 
     cells_across: float | None = None
     cell_px: float = 3.0
+    sign_cell_px: float | None = None
+    sign_side_px: float = 30.0
+    border_px: float | None = None
+    corner_px: float | None = None
+    sign_corner_px: float | None = None
 
     def __post_init__(self) -> None:
-        if not 0 < self.cell_px < math.inf or (
-            self.cells_across is not None and not 0 < self.cells_across < math.inf
-        ):
+        given = (
+            self.cells_across, self.cell_px, self.sign_cell_px, self.sign_side_px,
+            self.border_px, self.corner_px, self.sign_corner_px,
+        )  # fmt: skip
+        if not all(value is None or 0 < value < math.inf for value in given):
             raise SpecError("the limits of reading are numbers above 0")
 
 
 #: What the detector's methods need, as tests/benchmarks/bench_limits.py finds it in daylight.
 METHOD_LIMITS: dict[Method, ReadLimits] = {
-    "dense": ReadLimits(cells_across=4.1, cell_px=4.2),
-    "paper": ReadLimits(cells_across=5.0, cell_px=28.0),
+    "dense": ReadLimits(cells_across=4.1, cell_px=4.3, sign_cell_px=1.08, border_px=0.51),
+    "paper": ReadLimits(
+        cells_across=5.0, cell_px=13.0, sign_cell_px=1.7, corner_px=0.22, sign_corner_px=0.8
+    ),
 }
+# Blur of lens, sensor and demosaicing in pixels; the detector's own whole-sign matching assumes it.
+_BLUR_PX = 0.8
 
 
 @dataclass(frozen=True, kw_only=True)
 class Span:
-    """Heights at which a layer reads at one tilt.
+    """Heights at which a layer, or the whole sign, gives a pose at one tilt.
 
     Attributes
     ----------
-    channel : {"red", "green", "blue"}
+    layer : {"red", "green", "blue", "outline"}
     tilt_deg : float
     low_mm, high_mm : float
-        ``low_mm`` ≥ ``high_mm`` where it reads nowhere.
+        ``low_mm`` ≥ ``high_mm`` where it does nowhere.
     """
 
-    channel: Channel
+    layer: Source
     tilt_deg: float
     low_mm: float
     high_mm: float
 
     @property
     def reads(self) -> bool:
-        """True if there is a height at which the layer reads."""
+        """True if there is a height at which it gives a pose."""
         return self.low_mm < self.high_mm
-
-
-@dataclass(frozen=True)
-class DeadBand:
-    """Heights between those that read, at which no layer does.
-
-    Attributes
-    ----------
-    low_mm, high_mm : float
-    message : str
-        A sentence with the figures and a way out.
-    """
-
-    low_mm: float
-    high_mm: float
-    message: str
 
 
 def layer_span(
     pad: Pad, layer: Layer, view: View, limits: ReadLimits, tilt_deg: float = 0.0
 ) -> Span:
-    """Heights at which a layer reads.
+    """Heights at which a layer's cells are read and tell the pose.
 
     Raises
     ------
@@ -144,94 +110,124 @@ def layer_span(
     """
     need = limits.cells_across or float(pad.window)
     if need > min(layer.rows, layer.cols):
-        return Span(channel=layer.channel, tilt_deg=tilt_deg, low_mm=math.inf, high_mm=0.0)
+        return Span(layer=layer.channel, tilt_deg=tilt_deg, low_mm=math.inf, high_mm=0.0)
     return Span(
-        channel=layer.channel,
+        layer=layer.channel,
         tilt_deg=tilt_deg,
         low_mm=need * layer.cell_mm / view.extent_per_height(tilt_deg),
-        high_mm=view.cell_px(layer.cell_mm, 1.0, tilt_deg) / limits.cell_px,
+        high_mm=min(
+            view.cell_px(layer.cell_mm, 1.0, tilt_deg) / limits.cell_px,
+            window_known_to_mm(pad.window * layer.cell_mm, view, limits, tilt_deg),
+            sign_known_to_mm(_side_mm(pad), _cells_mm(pad), view, limits, tilt_deg),
+        ),
+    )
+
+
+def sign_span(pad: Pad, view: View, limits: ReadLimits, tilt_deg: float = 0.0) -> Span:
+    """Heights at which the whole sign is in view and tells the pose.
+
+    Raises
+    ------
+    SpecError
+        If the tilt is not within 0 … 89 degrees.
+    """
+    if limits.sign_cell_px is None:
+        return Span(layer="outline", tilt_deg=tilt_deg, low_mm=math.inf, high_mm=0.0)
+    cells_mm, side_mm = _cells_mm(pad), _side_mm(pad)
+    return Span(
+        layer="outline",
+        tilt_deg=tilt_deg,
+        low_mm=view.holds_from_mm(max(pad.size_mm), tilt_deg),
+        high_mm=min(
+            view.cell_px(max(cells_mm), 1.0, tilt_deg) / limits.sign_cell_px,
+            view.shorter_px(min(pad.size_mm), 1.0, tilt_deg) / limits.sign_side_px,
+            _corners_known_to_mm(side_mm, limits.sign_corner_px, view, tilt_deg),
+            sign_known_to_mm(side_mm, cells_mm, view, limits, tilt_deg),
+        ),
     )
 
 
 def coverage(
     pad: Pad, view: View, limits: ReadLimits, tilts_deg: Iterable[float] = (0.0,)
 ) -> tuple[Span, ...]:
-    """Spans of all layers at all tilts, finest layer first within a tilt."""
+    """Spans at all tilts: layers, the finest first, then the whole sign where a method uses it."""
     layers = sorted(pad.layers, key=lambda layer: layer.cell_mm)
-    return tuple(
-        layer_span(pad, layer, view, limits, tilt) for tilt in tilts_deg for layer in layers
-    )
+    spans = []
+    for tilt in tilts_deg:
+        spans += [layer_span(pad, layer, view, limits, tilt) for layer in layers]
+        if limits.sign_cell_px is not None:
+            spans.append(sign_span(pad, view, limits, tilt))
+    return tuple(spans)
 
 
-def dead_bands(
-    pad: Pad,
-    view: View,
-    limits: ReadLimits,
-    tilt_deg: float = 0.0,
-    *,
-    switch_mm: float | None = None,
-) -> tuple[DeadBand, ...]:
-    """Heights between the lowest and the highest reading at which no layer reads.
+def sign_known_to_mm(
+    side_mm: float, cells_mm: Sequence[float], view: View, limits: ReadLimits, tilt_deg: float
+) -> float:
+    """Height up to which the borders of a square sign tell the pose; infinite without their noise.
 
     Parameters
     ----------
-    pad : Pad
+    side_mm : float
+    cells_mm : sequence of float
+        Side of a cell of each layer.
     view : View
     limits : ReadLimits
     tilt_deg : float
-    switch_mm : float, optional
-        The height above which a method no longer looks at the finest layer, whatever could be read.
     """
-    spans = [span for span in coverage(pad, view, limits, (tilt_deg,)) if span.reads]
-    ranges = [(span.low_mm, span.high_mm, span.channel) for span in spans]
-    if switch_mm is not None and ranges:
-        low, high, channel = ranges[0]
-        ranges[0] = (low, min(high, switch_mm), channel)
-    ranges = sorted(item for item in ranges if item[0] < item[1])
-    bands, reached = [], None
-    for low, high, channel in ranges:
-        if reached is not None and low > reached:
-            bands.append(_band(pad, view, limits, tilt_deg, (reached, low), channel))
-        reached = high if reached is None else max(reached, high)
-    return tuple(bands)
+    noise_px = limits.border_px
+    if noise_px is None:
+        return math.inf
+
+    def hold(height_mm: float) -> Hold:
+        return hold_of_borders(
+            min(view.cell_px(side_mm, height_mm, tilt_deg), float(view.side_px)),
+            [view.cell_px(cell, height_mm, tilt_deg) for cell in cells_mm],
+            view.focal_px,
+            noise_px=noise_px,
+            blur_px=_BLUR_PX,
+        )
+
+    return _known_to_mm(hold, tilt_deg, view.cell_px(side_mm, 1.0, tilt_deg))
 
 
-def _band(
-    pad: Pad,
-    view: View,
-    limits: ReadLimits,
-    tilt_deg: float,
-    heights_mm: tuple[float, float],
-    channel: Channel,
-) -> DeadBand:
-    layer = pad.layer(channel)
-    assert layer is not None
-    low, high = heights_mm
-    seen = view.cells_across(layer.cell_mm, low, tilt_deg)
-    need = limits.cells_across or float(pad.window)
-    message = (
-        f"from {low:.0f} to {high:.0f} mm no layer reads: at {low:.0f} mm the picture holds "
-        f"{seen:.1f} {channel} cells across, not {need:g}; use a smaller ratio of the layers, or a "
-        "method that reads the finer layer higher up"
-    )
-    return DeadBand(low, high, message)
+def window_known_to_mm(side_mm: float, view: View, limits: ReadLimits, tilt_deg: float) -> float:
+    """Height up to which the four corners of a window tell the pose; infinite without noise."""
+    return _corners_known_to_mm(side_mm, limits.corner_px, view, tilt_deg)
 
 
-def covered_share(spans: Sequence[Span], low_mm: float, high_mm: float) -> float:
-    """Share of a height range, in ratios of height, at which some span reads."""
-    if not 0 < low_mm < high_mm:
-        raise SpecError(f"heights {low_mm:g} … {high_mm:g} mm are no range above 0")
-    edges = {low_mm, high_mm}
-    for span in spans:
-        edges |= {min(max(edge, low_mm), high_mm) for edge in (span.low_mm, span.high_mm)}
-    total = 0.0
-    for a, b in pairwise(sorted(edges)):
-        if any(span.low_mm <= a and b <= span.high_mm for span in spans):
-            total += math.log(b / a)
-    return total / math.log(high_mm / low_mm)
+def _corners_known_to_mm(
+    side_mm: float, noise_px: float | None, view: View, tilt_deg: float
+) -> float:
+    if noise_px is None:
+        return math.inf
+
+    def hold(height_mm: float) -> Hold:
+        side_px = min(view.cell_px(side_mm, height_mm, tilt_deg), float(view.side_px))
+        return hold_of_corners(side_px, view.focal_px, noise_px=noise_px)
+
+    return _known_to_mm(hold, tilt_deg, view.cell_px(side_mm, 1.0, tilt_deg))
 
 
-def _radians(tilt_deg: float) -> float:
-    if not 0 <= tilt_deg <= 89:
-        raise SpecError(f"the tilt is {tilt_deg} degrees; it must lie within 0 … 89")
-    return math.radians(tilt_deg)
+def _known_to_mm(hold: Callable[[float], Hold], tilt_deg: float, most_mm: float) -> float:
+    """Largest height up to ``most_mm`` at which half of the pictures tell the pose; to 0.1 %."""
+    tilt = radians(tilt_deg)
+
+    def known(height_mm: float) -> bool:
+        # The camera is off its place by its lean times its distance from the sign.
+        sideways = (_PLACE_SHARE + _PLACE_MM / height_mm) * math.cos(tilt)
+        within = min(sideways, math.radians(_ATTITUDE_DEG))
+        return share_known(hold(height_mm), tilt, within) >= 0.5
+
+    low, high = most_mm * 1e-6, most_mm
+    while high / low > 1.001:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if known(middle) else (low, middle)
+    return low
+
+
+def _side_mm(pad: Pad) -> float:
+    return math.sqrt(pad.size_mm[0] * pad.size_mm[1])
+
+
+def _cells_mm(pad: Pad) -> list[float]:
+    return [layer.cell_mm for layer in pad.layers]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg
-from padstudio.pad.coverage import View
 from padstudio.pad.spec import Channel, Pad
+from padstudio.pad.view import View
 from padstudio.simulate.camera import render
 from padstudio.simulate.flights import MAX_FRAMES
 from padstudio.simulate.imaging import Imaging
@@ -54,6 +54,17 @@ class SuccessMap:
     share: Array
     wrong: Array
     trials: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, as REST and the command line give them."""
+        return {
+            "axis": self.axis,
+            "heights_mm": self.heights_mm.tolist(),
+            "values": self.values.tolist(),
+            "success": self.share.tolist(),
+            "wrong": self.wrong.tolist(),
+            "trials": self.trials,
+        }
 
 
 def success_map(

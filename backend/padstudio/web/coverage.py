@@ -12,8 +12,10 @@ from padstudio.flights.store import Store
 from padstudio.geometry import camera_files
 from padstudio.pad import advice, coverage
 from padstudio.pad import files as pad_files
-from padstudio.pad.coverage import METHOD_LIMITS, DeadBand, Method, Span, View
+from padstudio.pad.coverage import METHOD_LIMITS, Method, Span
+from padstudio.pad.dead_bands import DeadBand, dead_bands
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW, Pad
+from padstudio.pad.view import View
 from padstudio.simulate.coverage import view_of
 from padstudio.web import simulating
 from padstudio.web.cameras import camera_text
@@ -134,11 +136,12 @@ def _chart(pad: Pad, camera: str, tilts_deg: list[float], store: Store) -> Cover
             method=method,
             cells_across=limits.cells_across or float(pad.window),
             cell_px=limits.cell_px,
+            sign_cell_px=limits.sign_cell_px,
             spans=[_span(span) for span in coverage.coverage(pad, view, limits, tilts_deg)],
             dead_bands=[
                 _band(tilt, band)
                 for tilt in tilts_deg
-                for band in coverage.dead_bands(pad, view, limits, tilt)
+                for band in dead_bands(pad, view, limits, tilt)
             ],
         )
         for method, limits in METHOD_LIMITS.items()
@@ -148,7 +151,7 @@ def _chart(pad: Pad, camera: str, tilts_deg: list[float], store: Store) -> Cover
 
 def _span(span: Span) -> SpanInfo:
     low, high = (span.low_mm, span.high_mm) if span.reads else (None, None)
-    return SpanInfo(channel=span.channel, tilt_deg=span.tilt_deg, low_mm=low, high_mm=high)
+    return SpanInfo(layer=span.layer, tilt_deg=span.tilt_deg, low_mm=low, high_mm=high)
 
 
 def _band(tilt_deg: float, band: DeadBand) -> DeadBandInfo:

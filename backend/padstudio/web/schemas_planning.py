@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.pad.coverage import Method
-from padstudio.pad.spec import Channel
+from padstudio.pad.coverage import Method, Source
 from padstudio.simulate.flights import MAX_HEIGHT_MM
 from padstudio.simulate.scene import GroundKind
 from padstudio.web.schemas_printing import PadShape
@@ -20,11 +19,13 @@ _CHART_EXAMPLE: dict[str, Any] = {
     "methods": [
         {
             "method": "dense",
-            "cells_across": 5.0,
-            "cell_px": 4.6,
+            "cells_across": 4.1,
+            "cell_px": 4.3,
+            "sign_cell_px": 1.08,
             "spans": [
-                {"channel": "red", "tilt_deg": 0.0, "low_mm": 61.6, "high_mm": 4100.0},
-                {"channel": "blue", "tilt_deg": 0.0, "low_mm": 308.2, "high_mm": 20500.0},
+                {"layer": "red", "tilt_deg": 0.0, "low_mm": 50.5, "high_mm": 4386.0},
+                {"layer": "blue", "tilt_deg": 0.0, "low_mm": 252.7, "high_mm": 21930.2},
+                {"layer": "outline", "tilt_deg": 0.0, "low_mm": 2013.2, "high_mm": 21930.2},
             ],
             "dead_bands": [],
         }
@@ -57,16 +58,16 @@ class CoverageRequest(BaseModel):
 
 
 class SpanInfo(BaseModel):
-    """Heights at which a layer reads at one tilt."""
+    """Heights at which a layer, or the sign as a whole, reads at one tilt."""
 
-    channel: Channel
+    layer: Source = Field(description="outline is the whole sign, as in the poses.")
     tilt_deg: float
     low_mm: float | None = Field(description="null where it reads nowhere.")
     high_mm: float | None
 
 
 class DeadBandInfo(BaseModel):
-    """Heights between the layers at which none reads."""
+    """Heights between those that read, at which nothing does."""
 
     tilt_deg: float
     low_mm: float
@@ -79,7 +80,10 @@ class MethodCoverage(BaseModel):
 
     method: Method
     cells_across: float = Field(description="Cells that it needs across the picture.")
-    cell_px: float = Field(description="Pixels that it needs along a cell.")
+    cell_px: float = Field(description="Pixels that it needs along a cell of a layer.")
+    sign_cell_px: float | None = Field(
+        description="Pixels along a coarsest cell that suffice with the whole sign in view."
+    )
     spans: list[SpanInfo]
     dead_bands: list[DeadBandInfo]
 

@@ -17,6 +17,7 @@ from padstudio.pad import files as pad_files
 from padstudio.simulate import looks
 from padstudio.simulate.camera import Frame, render
 from padstudio.simulate.coverage import success_map
+from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.motion import Motion
 from padstudio.simulate.scene import Scene
 
@@ -50,15 +51,9 @@ def simulate_frame(
     """
     the_camera = camera_files.loads(camera)
     check_pixels(the_camera, max_pixels)
-    scene = Scene(
-        pad=pad_files.loads(pad) if pad is not None else None,
-        quiet_mm=spec["quiet_mm"],
-        ground=spec["ground"],
-        ground_seed=spec["seed"],
-    )
-    dressed, imaging = looks.dress(scene, spec["look"], seed=spec["seed"])
+    scene, imaging = dressed_scene(spec, pad)
     motion = Motion(velocity_mm_s=spec["velocity_mm_s"], angular_deg_s=spec["angular_deg_s"])
-    frame = render(dressed, the_camera, _pose(spec), imaging, spec["seed"], motion=motion)
+    frame = render(scene, the_camera, _pose(spec), imaging, spec["seed"], motion=motion)
     return {
         "picture": _picture(frame),
         "width": the_camera.width,
@@ -94,7 +89,7 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
     the_pad, the_camera = pad_files.loads(pad), camera_files.loads(camera)
     check_pixels(the_camera, max_pixels)
     detector = Detector(the_pad, the_camera, method=spec["method"])
-    found = success_map(
+    return success_map(
         Scene(pad=the_pad),
         the_camera,
         lambda bgr: detector.detect(bgr).pose,
@@ -103,15 +98,26 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
         values=spec["values"],
         trials=spec["trials"],
         seed=spec["seed"],
+    ).as_dict()
+
+
+def dressed_scene(spec: Mapping[str, Any], pad: str | None) -> tuple[Scene, Imaging]:
+    """The ground, the pad on it and the conditions that a request asks for.
+
+    Parameters
+    ----------
+    spec : mapping
+        Has ``quiet_mm``, ``ground``, ``look`` and ``seed``.
+    pad : str or None
+        The content of a pad file, None for bare ground.
+    """
+    scene = Scene(
+        pad=pad_files.loads(pad) if pad is not None else None,
+        quiet_mm=spec["quiet_mm"],
+        ground=spec["ground"],
+        ground_seed=spec["seed"],
     )
-    return {
-        "axis": found.axis,
-        "heights_mm": found.heights_mm.tolist(),
-        "values": found.values.tolist(),
-        "success": found.share.tolist(),
-        "wrong": found.wrong.tolist(),
-        "trials": found.trials,
-    }
+    return looks.dress(scene, spec["look"], seed=spec["seed"])
 
 
 def check_pixels(camera: Camera, max_pixels: int) -> None:

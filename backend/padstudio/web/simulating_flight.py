@@ -10,10 +10,9 @@ from typing import Any
 
 from padstudio.errors import ConflictError
 from padstudio.geometry import camera_files
-from padstudio.pad import files as pad_files
 from padstudio.simulate import flights, looks, writer
 from padstudio.simulate.scene import Scene
-from padstudio.web.simulating import check_pixels
+from padstudio.web.simulating import check_pixels, dressed_scene
 
 #: In the folder: pictures, truth, pad and camera; the footage alone; frames done; asked to stop.
 ARCHIVE, FOOTAGE, DONE, STOP = "flight.zip", "footage", "done", "stop"
@@ -56,18 +55,12 @@ def simulate_flight(
     SpecError, LimitError
         As `padstudio.simulate.writer.write_flight`.
     """
-    scene = Scene(
-        pad=pad_files.loads(pad) if pad is not None else None,
-        quiet_mm=spec["quiet_mm"],
-        ground=spec["ground"],
-        ground_seed=spec["seed"],
-    )
-    dressed, imaging = looks.dress(scene, spec["look"], seed=spec["seed"])
+    scene, imaging = dressed_scene(spec, pad)
     written = folder / "flight"
     writer.write_flight(
         written,
         _course(spec),
-        dressed,
+        scene,
         camera_files.loads(camera),
         imaging,
         video=video,

@@ -14,7 +14,7 @@
  */
 
 import {
-  areaPath, channelsOf, heightRange, logTicks, moved, placeInWords, placeOf, TILTS_DEG, widestBands, xOf, yOf,
+  areaPath, heightRange, layerInWords, layersOf, logTicks, moved, placeInWords, placeOf, TILTS_DEG, widestBands, xOf, yOf,
 } from "../coverageLogic.js";
 import { length } from "../formatLogic.js";
 import { draw, titled } from "./svg.js";
@@ -129,23 +129,22 @@ function axes(frame) {
   return [...heights, ...tilts, draw("text", { x: middle, y: height - 4, class: "tick" }, "tilt of the camera")];
 }
 
-/** @param {MethodCoverage} coverage @param {string} channel */
-const spansOf = (coverage, channel) => coverage.spans.filter((span) => span.channel === channel);
+/** @param {MethodCoverage} coverage @param {string} layer */
+const spansOf = (coverage, layer) => coverage.spans.filter((span) => span.layer === layer);
 
 /** @param {Frame} frame @param {MethodCoverage} coverage @returns {SVGElement[]} */
 function areas(frame, coverage) {
-  return channelsOf(coverage).map((channel) => {
-    const path = draw("path", {
-      d: areaPath(frame, spansOf(coverage, channel)), class: `area area-${channel}`,
-    });
-    return titled(path, `${channel} layer, ${coverage.method} method`);
+  // The whole sign lies over most of a layer: under it, the layer's colour stays.
+  return layersOf(coverage).reverse().map((layer) => {
+    const path = draw("path", { d: areaPath(frame, spansOf(coverage, layer)), class: `area area-${layer}` });
+    return titled(path, `${layerInWords(layer)}, ${coverage.method} method`);
   });
 }
 
 /** @param {Frame} frame @param {MethodCoverage} other @returns {SVGElement[]} */
 const outlines = (frame, other) =>
-  channelsOf(other).map((channel) =>
-    draw("path", { d: areaPath(frame, spansOf(other, channel)), class: `outline area-${channel}` }),
+  layersOf(other).map((layer) =>
+    draw("path", { d: areaPath(frame, spansOf(other, layer)), class: `outline area-${layer}` }),
   );
 
 /** @param {Frame} frame @param {MethodCoverage} coverage @returns {SVGElement[]} */

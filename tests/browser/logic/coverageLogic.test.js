@@ -1,10 +1,10 @@
 import {
-  areaPath, channelsOf, deadBandInWords, heightFacts, heightRange, heightSteps, logTicks, moved, ofMethod, placeInWords,
+  areaPath, deadBandInWords, heightFacts, heightRange, heightSteps, layersOf, logTicks, moved, ofMethod, placeInWords,
   placeOf, widestBands, xOf, yOf,
 } from "/static/js/coverageLogic.js";
 import { contains, equal, near } from "./check.js";
 
-const span = (channel, tilt, low, high) => ({ channel, tilt_deg: tilt, low_mm: low, high_mm: high });
+const span = (layer, tilt, low, high) => ({ layer, tilt_deg: tilt, low_mm: low, high_mm: high });
 const DENSE = {
   method: "dense", cells_across: 5, cell_px: 4.6,
   spans: [
@@ -19,10 +19,10 @@ const DENSE = {
 const FRAME = { width: 500, height: 330, left: 100, bottom: 30, lowMm: 10, highMm: 1000, mostDeg: 80 };
 
 export const tests = {
-  "a chart's method and its channels": () => {
+  "a chart's method and its layers": () => {
     const chart = { camera: "c", methods: [DENSE] };
     equal([ofMethod(chart, "dense"), ofMethod(chart, "paper"), ofMethod(null, "dense")], [DENSE, null, null]);
-    equal(channelsOf(DENSE), ["red", "blue"]);
+    equal(layersOf(DENSE), ["red", "blue"]);
   },
   "heights from step to step": () => {
     equal(heightRange([DENSE]), { lowMm: 50, highMm: 5000 });
@@ -67,6 +67,10 @@ export const tests = {
   "what reads at a place": () => {
     equal(placeInWords(DENSE, { tiltDeg: 3, heightMm: 200 }), "200 mm, tilt 3°: red reads");
     contains(placeInWords(DENSE, { tiltDeg: 0, heightMm: 500 }), "nothing reads");
+    const signed = { ...DENSE, spans: [...DENSE.spans, span("outline", 0, 100, 6000)] };
+    contains(placeInWords(signed, { tiltDeg: 0, heightMm: 200 }), "red and the whole sign read");
+    contains(placeInWords(signed, { tiltDeg: 0, heightMm: 5000 }), "the whole sign reads");
+    equal(heightFacts(signed).at(-1), ["Whole sign", "100 mm … 6.00 m"]);
     contains(placeInWords(DENSE, { tiltDeg: 29, heightMm: 900 }), "nothing reads");
   },
   "even ratios of height": () => {

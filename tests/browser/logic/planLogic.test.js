@@ -10,7 +10,7 @@ const ADVICE = {
 };
 const COVERAGE = {
   method: "dense", cells_across: 5, cell_px: 4.6, dead_bands: [],
-  spans: [{ channel: "red", tilt_deg: 0, low_mm: 60, high_mm: 400 }],
+  spans: [{ layer: "red", tilt_deg: 0, low_mm: 60, high_mm: 400 }],
 };
 const row = (height, share) => ({
   axis: "tilt_deg", heights_mm: [height], values: [0, 30], success: [[share, 0]], wrong: [[0, 0]], trials: 1,
