@@ -94,19 +94,15 @@ function ordinal(n) {
 }
 
 /**
- * Damage and other things that a user should know of the files.
+ * Why it does not go on, damage, and other things that a user should know.
  * @param {Flight} flight
  * @returns {string[]}
  */
-export function sourceNotes({ sources = [] }) {
-  return sources.flatMap(({ name, video }) => {
-    const damage = video?.damage ?? [];
-    const notes = damage.map((/** @type {unknown} */ each) => `${name}: ${each}`);
-    if (video && video.frames_declared && video.frames < video.frames_declared) {
-      notes.push(`${name}: ${number(video.frames)} of ${number(video.frames_declared)} frames are there.`);
-    }
-    return notes;
-  });
+export function flightNotes({ notice, sources = [] }) {
+  const found = sources.flatMap(({ name, video }) =>
+    (video?.damage ?? []).map((/** @type {unknown} */ each) => `${name}: ${each}.`),
+  );
+  return notice ? [`Waiting: ${notice}.`, ...found] : found;
 }
 
 /**
@@ -115,7 +111,7 @@ export function sourceNotes({ sources = [] }) {
  * @returns {[string, string][]}
  */
 export function summaryFacts(summary) {
-  const { frames, ok, longest_gap: gap, layers } = summary;
+  const { frames, ok, longest_gap: gap, layers, damaged } = summary;
   if (!frames) return [["Frames", "none read yet"]];
   /** @type {[string, string][]} */
   const facts = [["With a pose", `${number(ok)} of ${number(frames)}, ${percent(ok, frames)}`]];
@@ -123,6 +119,7 @@ export function summaryFacts(summary) {
   for (const [layer, count] of Object.entries(layers)) {
     facts.push([layer === "outline" ? "From the outline" : `From the ${layer} layer`, percent(count, ok)]);
   }
+  if (damaged) facts.push(["Damaged in the file", `${number(damaged)} ${damaged === 1 ? "frame" : "frames"}`]);
   return facts;
 }
 

@@ -27,6 +27,7 @@
  * @property {number} frames_ok
  * @property {number} progress  0 … 1
  * @property {{code: string, message: string} | null} error
+ * @property {string | null} [notice]  why the work does not go on at present
  * @property {string | null} rerun_of
  * @property {FlightRequest} request
  * @property {{kind: string, name: string, frames: number, first_frame: number,
@@ -57,6 +58,7 @@
  * @property {Record<string, number>} stages
  * @property {Record<string, number>} reasons
  * @property {Record<string, number>} layers
+ * @property {number} damaged
  *
  * @typedef {Partial<Record<"status" | "reason" | "stage" | "layer", string>>
  *   & Partial<Record<"from_s" | "to_s" | "min_height" | "max_height", number | null>>} FrameFilter

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from sqlalchemy import create_engine, insert, select
 
 from padstudio.flights import migrations
-from padstudio.flights.flight_tables import FlightRow, FrameBinRow, FrameRow
+from padstudio.flights.flight_tables import FlightRow, FrameBinRow, FrameDetailRow, FrameRow
 from padstudio.flights.frame_bins import BIN_FRAMES, bins_of, counted, pose_gaps
 from padstudio.flights.store_database import open_database
 
@@ -86,10 +86,15 @@ def test_flights_of_an_older_database_get_their_bins(tmp_path: Path) -> None:
         }  # fmt: skip
         connection.execute(insert(FlightRow), [flight])
         connection.execute(insert(FrameRow), rows)
+        details = [
+            {"flight": 1, "number": n, "chunk": 1, "body": {"damaged": True} if n == 70 else {}}
+            for n in range(len(rows))
+        ]
+        connection.execute(insert(FrameDetailRow), details)
         command.upgrade(config, "head")
         found = connection.execute(select(*FrameBinRow.__table__.c)).mappings().all()
     engine.dispose()
-    assert [dict(row) for row in found] == list(bins_of(rows, {"stride": 1}))
+    assert [dict(row) for row in found] == list(bins_of(rows, {"stride": 1}, {70}))
     assert [row["frames"] for row in found] == [100, 100, 50]
 
 

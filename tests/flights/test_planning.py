@@ -87,8 +87,10 @@ def test_a_turned_video_fits_a_turned_camera(tmp_path: Path) -> None:
     upright = flight_orders.camera(videos.HEIGHT, videos.WIDTH)
     assert plan(path, camera=upright).sources[0]["rotation_deg"] == 90
     assert plan(path, apply_rotation=False).sources[0]["rotation_deg"] == 0
-    with pytest.raises(StudioError):
-        plan(path)
+    # A camera that fits the picture as stored only can have seen no other.
+    assert plan(path).sources[0]["rotation_deg"] == 0
+    with pytest.raises(StudioError, match=f"{videos.HEIGHT} x {videos.WIDTH}"):
+        plan(path, camera=flight_orders.camera(videos.WIDTH, videos.WIDTH))
 
 
 def test_telemetry_inside_the_video_is_taken(tmp_path: Path) -> None:

@@ -40,6 +40,8 @@ def record(number: int, *, ok: bool) -> dict[str, Any]:
 
 
 RECORDS = [record(n, ok=n % 7 != 3 and not 100 <= n < 120) for n in range(FRAMES)]
+for item in RECORDS[150:160]:
+    item["damaged"] = True
 Made = tuple[Results, Summaries, FlightRow]
 
 
@@ -140,6 +142,7 @@ def test_figures(full: Made) -> None:
     assert figures["stages"] == {"decode": FRAMES - len(ok)}
     assert sum(figures["reasons"].values()) == FRAMES - len(ok)
     assert sum(figures["layers"].values()) == len(ok)
+    assert figures["damaged"] == sum(item.get("damaged", False) for item in RECORDS) > 0
     gap = figures["longest_gap"]
     assert (gap["first_frame"], gap["last_frame"], gap["frames"]) == (100, 119, 20)
     assert gap["seconds"] == pytest.approx(21 / 30)

@@ -70,7 +70,7 @@ class FakeEngine:
     def restart_worker_of(self, key: str) -> None:
         self.restarted.append(key)
 
-    def tend(self) -> None:
+    def tend(self) -> str | None:
         """Nothing to tend."""
 
     def close(self) -> None:
@@ -142,6 +142,25 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
     made = Bench(tmp_path)
     yield made
     made.close()
+
+
+def test_trouble_is_told_while_it_lasts(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("padstudio.flights.runner._RETRY_S", 0.05)
+    is_broken = True
+
+    def answer(key: str, task: Work, ended: Ended) -> None:
+        if is_broken:
+            raise TimeoutError("nobody answers")
+        do(key, task, ended)
+
+    bench.start(answer)
+    (runner,) = bench.runners
+    flight = bench.order()
+    bench.when(flight, lambda found: runner.trouble is not None)
+    assert "workers cannot be started or reached (nobody answers)" in str(runner.trouble)
+    is_broken = False
+    assert bench.finished(flight).state == "done"
+    bench.when(flight, lambda found: runner.trouble is None)
 
 
 def test_a_flight_is_done_chunk_by_chunk(bench: Bench) -> None:

@@ -129,9 +129,23 @@ def test_damage_within_costs_only_what_it_hits(long_video: Path, tmp_path: Path)
     assert len(pictures) == 200
     lost = [n for n, picture in enumerate(pictures) if picture.bgr is None]
     assert 0 < len(lost) < 60
+    # Keyframes stand every ten frames: up to the next one, all that follows rests on what is lost.
+    for n in lost:
+        resting = range(n + 1, n // 10 * 10 + 10)
+        assert all(pictures[each].is_damaged for each in resting if pictures[each].bgr is not None)
+    assert not any(picture.is_damaged for picture in pictures[:70] + pictures[160:])
     read_well = [n for n, p in enumerate(pictures) if p.bgr is not None and number_of(p.bgr) == n]
     assert len(read_well) > 140
     assert set(range(70)) | set(range(160, 200)) <= set(read_well)
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mkv"])
+def test_frames_missing_between_others_are_told(name: str, tmp_path: Path) -> None:
+    times_ms = [40 * n for n in range(46) if n not in (20, 21, 22, 31)]
+    path = videos.write(tmp_path / name, len(times_ms), times_ms=times_ms)
+    assert read_index(str(path)).info.damage == (
+        "4 frames are missing between others, the first of them after frame 19",
+    )
 
 
 def test_a_video_whose_index_was_never_written(tmp_path: Path) -> None:

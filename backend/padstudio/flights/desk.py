@@ -86,6 +86,11 @@ class FlightDesk:
         """Stop; unfinished work goes on at the next start."""
         self._runner.close()
 
+    @property
+    def trouble(self) -> str | None:
+        """Why queued work does not go on at present, a sentence; None where it does."""
+        return self._runner.trouble
+
     def order(self, order: FlightOrder) -> FlightRow:
         """Check and queue a flight.
 

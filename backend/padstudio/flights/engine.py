@@ -124,13 +124,24 @@ class Engine:
             if addresses:
                 client.restart_workers(addresses, timeout=30, raise_for_error=False)
 
-    def tend(self) -> None:
-        """Replace workers here that died while they started, which their nannies do not survive."""
+    def tend(self) -> str | None:
+        """Replace workers here that died while they started, which their nannies do not survive.
+
+        Returns
+        -------
+        str or None
+            A sentence where there is no worker, for who waits for one.
+        """
         cluster, client = self._cluster, self._client
-        if cluster is None or client is None or client.status != "running":
-            return
-        if len(cluster.scheduler_info["workers"]) < self._options.workers:
+        if client is None or client.status != "running":
+            return None
+        if cluster is None:
+            at_work = client.scheduler_info(n_workers=1)["workers"]
+            return None if at_work else "no worker is connected to the scheduler; start some"
+        at_work = cluster.scheduler_info["workers"]
+        if len(at_work) < self._options.workers:
             cluster.loop.add_callback(_replace_failed, cluster, self._options.workers)
+        return None if at_work else "no worker process is up; others are being started"
 
     def worker_pids(self) -> list[int]:
         """Process ids of the workers, for tests and for who watches over them."""

@@ -141,5 +141,5 @@ class FrameBinRow(Base):
     z_min_mm: Mapped[float | None]
     z_max_mm: Mapped[float | None]
     #: Frames by ``layers``, ``stages`` and ``reasons``; ``poses``: the numbers of the first and the
-    #: last pose, and between them those of the two successive ones farthest apart.
+    #: last pose, and between them those of the two successive ones farthest apart; ``damaged``.
     body: Mapped[dict[str, Any]] = mapped_column(JSON)

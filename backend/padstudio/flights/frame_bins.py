@@ -7,7 +7,7 @@ in the table as two parts, and whoever reads bins adds parts up.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Any
@@ -40,7 +40,11 @@ def grid_of(request: Mapping[str, Any]) -> Grid:
     return Grid(int(request.get("first_frame", 0)), BIN_FRAMES * int(request.get("stride", 1)))
 
 
-def bins_of(frames: Sequence[Mapping[str, Any]], request: Mapping[str, Any]) -> Iterator[Row]:
+def bins_of(
+    frames: Sequence[Mapping[str, Any]],
+    request: Mapping[str, Any],
+    damaged: Collection[int] = frozenset(),
+) -> Iterator[Row]:
     """Rows of the table ``frame_bins``.
 
     Parameters
@@ -49,13 +53,15 @@ def bins_of(frames: Sequence[Mapping[str, Any]], request: Mapping[str, Any]) -> 
         Rows of the table ``frames`` of one flight, ascending by number.
     request : mapping
         The flight's.
+    damaged : collection of int
+        Numbers of the frames of which the decoder made up a part.
     """
     grid = grid_of(request)
     for _, some in groupby(frames, key=lambda frame: grid.start_of(frame["number"])):
-        yield _sum_up(list(some))
+        yield _sum_up(list(some), damaged)
 
 
-def _sum_up(frames: Sequence[Mapping[str, Any]]) -> Row:
+def _sum_up(frames: Sequence[Mapping[str, Any]], damaged: Collection[int]) -> Row:
     poses = [frame["number"] for frame in frames if frame["status"] == "ok"]
     heights = [frame["z_mm"] for frame in frames if frame["z_mm"] is not None]
     gap = max(pairwise(poses), key=lambda pair: pair[1] - pair[0], default=None)
@@ -72,7 +78,11 @@ def _sum_up(frames: Sequence[Mapping[str, Any]]) -> Row:
         "time_s": frames[0]["time_s"],
         "z_min_mm": min(heights, default=None),
         "z_max_mm": max(heights, default=None),
-        "body": {**counts, "poses": [poses[0], *(gap or ()), poses[-1]] if poses else []},
+        "body": {
+            **counts,
+            "poses": [poses[0], *(gap or ()), poses[-1]] if poses else [],
+            "damaged": sum(frame["number"] in damaged for frame in frames),
+        },
     }
 
 

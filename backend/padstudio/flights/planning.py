@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.errors import SpecError, StudioError
+from padstudio.errors import CameraMismatchError, SpecError, StudioError
 from padstudio.flights import telemetry
-from padstudio.flights.video_index import VideoIndex, read_index
+from padstudio.flights.video_index import VideoIndex, VideoInfo, read_index
 from padstudio.flights.zip_source import list_members
 from padstudio.geometry import camera_files
 
@@ -75,7 +75,7 @@ class PlanTask:
     chunk_frames : int
         Frames that a chunk should hold.
     apply_rotation : bool
-        Turn videos as their rotation flag says.
+        Turn videos as their rotation flag says, unless the camera only fits them as stored.
     max_pixels, max_frames : int
     """
 
@@ -133,9 +133,7 @@ class PlanTask:
             members = list_members(file.url)
             return {"frames": len(members), "members": members}, None
         index = read_index(file.url, max_pixels=self.max_pixels, max_frames=self.max_frames)
-        rotation = index.info.rotation_deg if self.apply_rotation else 0
-        size = index.info.shown_size if rotation else (index.info.width, index.info.height)
-        camera_files.loads(self.camera).for_frame(*size)
+        rotation = self._rotation(index.info)
         return {
             "frames": index.info.frames,
             "start_pts": int(index.pts[0]),
@@ -144,6 +142,28 @@ class PlanTask:
             "is_counted": index.is_counted,
             "video": asdict(index.info),
         }, index
+
+    def _rotation(self, info: VideoInfo) -> int:
+        """By how much pictures are turned; the calibration is of what the camera fits.
+
+        Raises
+        ------
+        CameraMismatchError
+            If it fits neither the picture as shown nor as stored.
+        """
+        camera = camera_files.loads(self.camera)
+        if not self.apply_rotation or not info.rotation_deg:
+            camera.for_frame(info.width, info.height)
+            return 0
+        try:
+            camera.for_frame(*info.shown_size)
+        except CameraMismatchError as error:
+            try:
+                camera.for_frame(info.width, info.height)
+            except CameraMismatchError:
+                raise error from None
+            return 0
+        return info.rotation_deg
 
     def _chunks(
         self, sources: list[dict[str, Any]], indices: Mapping[int, VideoIndex], total: int

@@ -65,7 +65,8 @@ def insert_rows(
     """
     session.execute(insert(FrameRow), frames)
     session.execute(insert(FrameDetailRow), details)
-    session.execute(insert(FrameBinRow), list(bins_of(frames, request)))
+    damaged = {detail["number"] for detail in details if detail["body"].get("damaged")}
+    session.execute(insert(FrameBinRow), list(bins_of(frames, request, damaged)))
 
 
 def select_rows(flight: int) -> Select[tuple[FrameRow, dict[str, Any]]]:

@@ -49,6 +49,7 @@ class Runner:
         self._task_of = task_of
         self._ended: queue.SimpleQueue[tuple[Claim, Outcome] | None] = queue.SimpleQueue()
         self._at_work: dict[str, Claim] = {}
+        self._trouble: str | None = None
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="flights", daemon=True)
 
@@ -56,6 +57,11 @@ class Runner:
         """Queue what an earlier server left unfinished, and begin."""
         self._chunks.release_all()
         self._thread.start()
+
+    @property
+    def trouble(self) -> str | None:
+        """Why queued work does not go on at present, a sentence; None where it does."""
+        return self._trouble
 
     def wake(self) -> None:
         """Look for new or cancelled work now."""
@@ -77,14 +83,18 @@ class Runner:
                 self._stop_unwanted()
                 if not self._flights.purge():
                     self._fill()
-                if self._at_work:
-                    self._engine.tend()
-            except SQLAlchemyError:
+                self._trouble = self._engine.tend() if self._at_work else None
+            except SQLAlchemyError as error:
                 logger.exception("the database cannot be used; trying again")
-                self._closing.wait(_RETRY_S)
-            except Exception:
+                self._pause(storage_error(error).message)
+            except Exception as error:
                 logger.exception("the work on flights was interrupted; going on")
-                self._closing.wait(_RETRY_S)
+                self._pause(f"workers cannot be started or reached ({error})")
+
+    def _pause(self, why: str) -> None:
+        """Let some time go by, and say why."""
+        self._trouble = f"{why}; trying again every {_RETRY_S:.0f} s"
+        self._closing.wait(_RETRY_S)
 
     def _fill(self) -> None:
         """Claim as much as the engine can do."""

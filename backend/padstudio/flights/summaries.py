@@ -33,7 +33,7 @@ class Summaries:
         dict
             ``frames``, ``ok``, ``share_ok``; ``longest_gap`` (first and last frame, frames without
             a pose, seconds between the poses around them); ``stages``, ``reasons`` and ``layers``
-            (counts, highest first).
+            (counts, highest first); ``damaged``: frames of which the decoder made up a part.
         """
 
         def find_out() -> dict[str, Any]:
@@ -51,6 +51,7 @@ def _summary(session: Session, flight: FlightRow) -> dict[str, Any]:
         "ok": ok,
         "share_ok": ok / frames if frames else None,
         "longest_gap": _longest_gap(session, flight, bins),
+        "damaged": sum(row.body["damaged"] for row in bins),
         **{name: counted(bins, name) for name in ("stages", "reasons", "layers")},
     }
 

@@ -33,7 +33,8 @@ class VideoPicture:
     bgr : (H, W, 3) uint8 or None
         None where the decoder gave nothing for it.
     is_damaged : bool
-        The decoder filled in for missing or wrong data.
+        The decoder filled in for missing or wrong data, here or in a frame since the last keyframe,
+        on which this one rests.
     """
 
     pts: int
@@ -79,15 +80,16 @@ def read_frames(
     wanted = [int(value) for value in pts]
     if not wanted:
         return
-    place = 0
+    place, is_damaged = 0, False
     numbered = _counted if is_counted else _timed
     for at, frame in numbered(source, wanted[0], max_pixels):
+        is_damaged = bool(frame.is_corrupt or (is_damaged and not frame.key_frame))
         while place < len(wanted) and wanted[place] < at:
             yield VideoPicture(wanted[place], None)
-            place += 1
+            place, is_damaged = place + 1, is_damaged or not frame.key_frame
         if place < len(wanted) and wanted[place] == at:
             bgr = _to_bgr(frame, rotation_deg, max_pixels)
-            yield VideoPicture(at, bgr, bool(frame.is_corrupt))
+            yield VideoPicture(at, bgr, is_damaged)
             place += 1
         if place == len(wanted):
             return

@@ -22,6 +22,8 @@ MAX_FRAMES = 2_000_000
 # Intervals between frames that differ by more than this share are a variable rate.
 _RATE_TOLERANCE = 0.02
 _SECONDS_TOLERANCE = 1.0
+# Share of equal intervals from which longer ones are gaps rather than a variable rate.
+_STEADY_SHARE = 0.9
 _CONTAINER_UNITS = 1_000_000
 
 
@@ -147,6 +149,7 @@ def _describe(
     declared = stream.frames if "mp4" in container.format.name else 0
     if declared > len(pts):
         damage = [*damage, f"{declared - len(pts)} of {declared} frames are missing"]
+    damage = [*damage, *_gaps(intervals, usual)]
     declared_s = _declared_s(container, stream)
     if declared_s - duration_s > max(_SECONDS_TOLERANCE, _RATE_TOLERANCE * declared_s):
         missing_s = declared_s - duration_s
@@ -166,6 +169,16 @@ def _describe(
         variable_rate=_varies(intervals, usual),
         damage=tuple(damage),
     )
+
+
+def _gaps(intervals: NDArray[np.int64], usual: float) -> list[str]:
+    """Frames that a steady camera must have recorded, and that are not there."""
+    steady = np.abs(intervals - usual) <= max(1.0, _RATE_TOLERANCE * usual)
+    gaps = np.flatnonzero(intervals > 1.5 * usual)
+    if not len(gaps) or steady.mean() < _STEADY_SHARE:
+        return []
+    missing = int(np.round(intervals[gaps] / usual - 1).sum())
+    return [f"{missing} frames are missing between others, the first of them after frame {gaps[0]}"]
 
 
 def _declared_s(container: InputContainer, stream: VideoStream) -> float:

@@ -83,6 +83,7 @@ SUMMARY_EXAMPLE: dict[str, Any] = {
     "stages": {"decode": 2},
     "reasons": {"unknown_code": 2},
     "layers": {"red": 50, "blue": 8},
+    "damaged": 0,
 }
 TELEMETRY_EXAMPLE: dict[str, Any] = {
     "time_s": [0.0, 0.033],
@@ -172,6 +173,7 @@ class Flight(BaseModel):
     frames_ok: int
     progress: float = Field(description="From 0 to 1.")
     error: ErrorInfo | None
+    notice: str | None = Field(None, description="Why the work does not go on at present.")
     rerun_of: str | None = Field(description="The flight that this one runs again.")
     request: dict[str, Any]
 
@@ -224,6 +226,9 @@ class FlightSummary(BaseModel):
     stages: dict[str, int] = Field(description="First failing stage: frames.")
     reasons: dict[str, int]
     layers: dict[str, int]
+    damaged: int = Field(
+        description="Frames for which the decoder had to fill in for missing data."
+    )
 
 
 class TelemetryColumns(BaseModel):

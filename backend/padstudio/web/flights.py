@@ -60,7 +60,7 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 def create_flight(new: NewFlight, shared: Shared, response: Response) -> FlightDetail:
     flight = order_flight(new, shared)
     response.headers["Location"] = f"/api/v1/flights/{flight.id}"
-    return describe_detail(shared.flights.flights.get(flight.id, texts=True))
+    return describe_detail(shared, shared.flights.flights.get(flight.id, texts=True))
 
 
 @router.get("", operation_id="listFlights", summary="The flights, newest first")
@@ -71,12 +71,12 @@ def list_flights(
     state: Literal["queued", "running", "done", "failed", "cancelled"] | None = None,
 ) -> FlightList:
     rows, total = shared.flights.flights.list(limit, offset, state)
-    return FlightList(items=[describe(row) for row in rows], total=total)
+    return FlightList(items=[describe(shared, row) for row in rows], total=total)
 
 
 @router.get("/{flight_id}", operation_id="getFlight", summary="A flight and how far it is")
 def get_flight(flight_id: ItemId, shared: Shared) -> FlightDetail:
-    return describe_detail(shared.flights.flights.get(flight_id, texts=True))
+    return describe_detail(shared, shared.flights.flights.get(flight_id, texts=True))
 
 
 @router.delete(
@@ -88,7 +88,7 @@ def delete_flight(flight_id: ItemId, shared: Shared) -> None:
 
 @router.post("/{flight_id}/cancel", operation_id="cancelFlight", summary="Stop a flight")
 def cancel_flight(flight_id: ItemId, shared: Shared) -> Flight:
-    return describe(shared.flights.cancel(flight_id))
+    return describe(shared, shared.flights.cancel(flight_id))
 
 
 @router.post(
@@ -98,7 +98,7 @@ def cancel_flight(flight_id: ItemId, shared: Shared) -> Flight:
     status_code=202,
 )
 def retry_flight(flight_id: ItemId, shared: Shared) -> Flight:
-    return describe(shared.flights.retry(flight_id))
+    return describe(shared, shared.flights.retry(flight_id))
 
 
 @router.post(
@@ -112,7 +112,7 @@ def rerun_flight(
 ) -> FlightDetail:
     flight = shared.flights.rerun(flight_id, lambda order: _changed(order, changes, shared.store))
     response.headers["Location"] = f"/api/v1/flights/{flight.id}"
-    return describe_detail(shared.flights.flights.get(flight.id, texts=True))
+    return describe_detail(shared, shared.flights.flights.get(flight.id, texts=True))
 
 
 @router.get(
@@ -202,12 +202,12 @@ def order_flight(new: NewFlight, shared: Services) -> FlightRow:
     return shared.flights.order(_changed(order, new, shared.store))
 
 
-def describe(row: FlightRow) -> Flight:
+def describe(shared: Services, row: FlightRow) -> Flight:
     """A flight as it is shown in lists."""
-    return Flight.model_validate(_fields(row))
+    return Flight.model_validate(_fields(shared, row))
 
 
-def describe_detail(row: FlightRow) -> FlightDetail:
+def describe_detail(shared: Services, row: FlightRow) -> FlightDetail:
     """A flight as it is shown alone; loaded with its texts."""
     # Where workers find a file is none of the caller's business, and a zip may hold thousands.
     hidden = {"url", "members"}
@@ -216,11 +216,11 @@ def describe_detail(row: FlightRow) -> FlightDetail:
         for source in row.sources
     ]
     return FlightDetail.model_validate(
-        _fields(row) | {"sources": sources, "telemetry": row.telemetry is not None}
+        _fields(shared, row) | {"sources": sources, "telemetry": row.telemetry is not None}
     )
 
 
-def _fields(row: FlightRow) -> dict[str, Any]:
+def _fields(shared: Services, row: FlightRow) -> dict[str, Any]:
     names = (
         "id",
         "name",
@@ -236,7 +236,9 @@ def _fields(row: FlightRow) -> dict[str, Any]:
         "request",
     )
     done = row.frames_done / row.frames_total if row.frames_total else 0.0
-    return {name: getattr(row, name) for name in names} | {"progress": round(done, 4)}
+    notice = shared.flights.trouble if row.state in OPEN else None
+    shown = {name: getattr(row, name) for name in names}
+    return shown | {"progress": round(done, 4), "notice": notice}
 
 
 def _changed(order: FlightOrder, given: FlightSettings, store: Store) -> FlightOrder:
@@ -273,7 +275,7 @@ async def _events(
     """The flight now, and after every change, until it is over."""
     last = ""
     while not await request.is_disconnected():
-        data = describe(flight).model_dump_json()
+        data = describe(shared, flight).model_dump_json()
         if data != last:
             last = data
             yield ServerSentEvent(data, event="flight")

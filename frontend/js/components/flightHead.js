@@ -4,7 +4,7 @@
  * @typedef {import("../flightsApi.js").Flight} Flight
  */
 
-import { isOpen, isRetryable, progressInWords, restInWords, sourceNotes, stateInWords } from "../flightLogic.js";
+import { flightNotes, isOpen, isRetryable, progressInWords, restInWords, stateInWords } from "../flightLogic.js";
 
 /**
  * @param {HTMLElement} root
@@ -19,6 +19,8 @@ export function mountFlightHead(root, { onCancel, onRetry, onRerun }) {
   const write = (/** @type {string} */ name, /** @type {string} */ text) => {
     if (find(name).textContent !== text) find(name).textContent = text;
   };
+
+  let notesShown = "";
 
   return {
     /** @param {{flight: Flight | null, now: number}} state */
@@ -36,8 +38,9 @@ export function mountFlightHead(root, { onCancel, onRetry, onRerun }) {
       bar.value = flight.progress;
       find("cancel").hidden = !isOpen(flight);
       find("retry").hidden = !isRetryable(flight);
-      const notes = sourceNotes(flight);
-      if (find("notes").childElementCount !== notes.length) {
+      const notes = flightNotes(flight);
+      if (notes.join("\n") !== notesShown) {
+        notesShown = notes.join("\n");
         find("notes").replaceChildren(
           ...notes.map((textContent) =>
             Object.assign(document.createElement("p"), { className: "notice notice-warn", textContent }),

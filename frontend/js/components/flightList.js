@@ -30,7 +30,7 @@ export function mountFlightList(root, { onCancel, onRemove, onMore }) {
       /** @type {HTMLAnchorElement} */ (part("open")).href = `/flights/${flight.id}`;
       part("title").textContent = part("title").title = flight.name;
       part("state").textContent = stateInWords(flight);
-      part("note").textContent = flight.error?.message ?? progressInWords(flight);
+      part("note").textContent = flight.error?.message ?? flight.notice ?? progressInWords(flight);
       const { pad_name: pad, method } = flight.request;
       part("about").textContent = rest || [pad, method, moment(flight.created_at)].filter(Boolean).join(" · ");
       const bar = /** @type {HTMLProgressElement} */ (part("bar"));

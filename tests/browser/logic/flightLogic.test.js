@@ -1,6 +1,6 @@
 import {
-  differenceInWords, gapInWords, isOpen, isRetryable, progressInWords, rangeInWords, reasonsOf, restInWords,
-  sourceNotes, summaryFacts,
+  differenceInWords, flightNotes, gapInWords, isOpen, isRetryable, progressInWords, rangeInWords, reasonsOf, restInWords,
+  summaryFacts,
 } from "/static/js/flightLogic.js";
 import { sourceInWords, withPreview, withRecord, withStages } from "/static/js/flightFrameLogic.js";
 import { bytes, clock, percent } from "/static/js/formatLogic.js";
@@ -69,6 +69,7 @@ export const tests = {
       ["With a pose", "58 of 60, 97 %"], ["Longest gap", "2 frames, 0.1 s, from 3"],
       ["From the red layer", "50 %"], ["From the outline", "50 %"],
     ]);
+    equal(summaryFacts({ ...summary, damaged: 3 }).at(-1), ["Damaged in the file", "3 frames"]);
     equal(gapInWords({ first_frame: 4, frames: 1, seconds: null }), "1 frame, from 4");
     equal(summaryFacts({ ...summary, frames: 0, ok: 0 }), [["Frames", "none read yet"]]);
   },
@@ -76,9 +77,10 @@ export const tests = {
     equal(reasonsOf({ reasons: { no_edges: 2, unknown_code: 9 } }).map((each) => each.text),
       ["unknown code (9)", "no edges (2)"]);
   },
-  "damage is told": () => {
-    const video = { damage: ["cut off"], frames: 91, frames_declared: 300 };
-    equal(sourceNotes(flight({ sources: [{ name: "a.mp4", video }] })), ["a.mp4: cut off", "a.mp4: 91 of 300 frames are there."]);
+  "damage and waits are told": () => {
+    const sources = [{ name: "a.mp4", video: { damage: ["cut off"] } }];
+    equal(flightNotes(flight({ sources })), ["a.mp4: cut off."]);
+    equal(flightNotes(flight({ sources, notice: "no worker" })), ["Waiting: no worker.", "a.mp4: cut off."]);
   },
   "two runs differ in what they differ in": () => {
     const other = flight({ request: { ...flight().request, method: "paper" } });

@@ -15,6 +15,9 @@ depends_on = None
 _flights = sa.table("flights", sa.column("key"), sa.column("request", sa.JSON))
 _FRAME = ("flight", "number", "time_s", "status", "stage", "reason", "layer", "z_mm")
 _frames = sa.table("frames", *map(sa.column, _FRAME))
+_details = sa.table(
+    "frame_details", sa.column("flight"), sa.column("number"), sa.column("body", sa.JSON)
+)
 # Frames at a time.
 _READ_ROWS = 10_000
 
@@ -40,13 +43,22 @@ def upgrade() -> None:
     )
     connection = op.get_bind()
     for key, request in connection.execute(sa.select(_flights.c.key, _flights.c.request)).all():
-        mine = sa.select(_frames).where(_frames.c.flight == key).order_by(_frames.c.number)
+        mine = (
+            sa.select(_frames, _details.c.body)
+            .join(
+                _details,
+                (_details.c.flight == _frames.c.flight) & (_details.c.number == _frames.c.number),
+            )
+            .where(_frames.c.flight == key)
+            .order_by(_frames.c.number)
+        )
         after = -1
         while some := connection.execute(
             mine.where(_frames.c.number > after).limit(_READ_ROWS)
         ).all():
             rows = [row._asdict() for row in some]
-            connection.execute(sa.insert(bins), list(bins_of(rows, request)))
+            damaged = {row["number"] for row in rows if row["body"].get("damaged")}
+            connection.execute(sa.insert(bins), list(bins_of(rows, request, damaged)))
             after = rows[-1]["number"]
 
 
