@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.borders import concatenate, measure, visible_borders
+from padstudio.vision.borders import measure, visible_borders
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.planes import Pyramid
 
@@ -81,10 +81,3 @@ def test_thinning_keeps_them_spread(most):
     assert 0 < len(thin.step) <= max(most, 1) or len(borders.step) <= most
     _, found = measured_in(None, look_at_pad(900.0))
     assert len(found.thinned(most).xy) <= max(most, 1) or len(found.xy) <= most
-
-
-def test_layers_measured_together_are_all_there():
-    _, found = measured_in(None, look_at_pad(900.0))
-    both = concatenate([found, found.thinned(20)])
-    assert len(both.xy) == len(both.borders.step) == len(found.xy) + len(found.thinned(20).xy)
-    assert concatenate([found]) is found

@@ -1,5 +1,7 @@
 """The compiled search for steps across borders."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -45,3 +47,13 @@ def test_steps_that_lean_toward_the_dark_are_told_from_a_shift():
     np.testing.assert_allclose(left, 0.8, atol=0.05)
     few = np.arange(400) < 20
     np.testing.assert_array_equal(kernels_borders.lean(off[few], upright[few], rising[few]), 0)
+
+
+@pytest.mark.parametrize("blur_px", [0.5, 0.8, 1.2])
+def test_sharp_steps_are_not_drawn_to_the_pixels(blur_px):
+    """Wherever between two pixels a step lies, it is found there."""
+    for at in np.linspace(30, 31, 9):
+        edge = [math.erf((x - at) / (blur_px * math.sqrt(2))) for x in range(60)]
+        values = np.tile(100 + 60 * np.array(edge, np.float32), (50, 1))
+        shift, _, _ = kernels_borders.find_step(values, at, 25.0, 6.0, 0.0, 0.0, 3.0, 1.0)
+        assert shift * 6 == pytest.approx(0, abs=0.1 if blur_px < 0.8 else 0.025)

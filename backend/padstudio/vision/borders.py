@@ -74,23 +74,6 @@ class Measured:
         return Measured(self.borders.take(which), self.xy[which], self.weight[which])
 
 
-def concatenate(parts: list[Measured]) -> Measured:
-    """Several layers' measured borders as one."""
-    if len(parts) == 1:
-        return parts[0]
-    borders = Borders(
-        np.concatenate([part.borders.points_mm for part in parts]),
-        np.concatenate([part.borders.across_mm for part in parts]),
-        np.concatenate([part.borders.along_mm for part in parts]),
-        np.concatenate([part.borders.step for part in parts]),
-    )
-    return Measured(
-        borders,
-        np.concatenate([part.xy for part in parts]),
-        np.concatenate([part.weight for part in parts]),
-    )
-
-
 def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
     """Borders of unlike cells of a layer that lie in the frame, at most ``most``, evenly spread."""
     from padstudio.vision import kernels_borders
@@ -118,7 +101,9 @@ def measure(
     """Find each border's step near where a pose predicts it.
 
     Along the normal of each predicted border a short profile is taken, averaged over three lines
-    side by side; the step lies at the centroid of the squared slope of the right sign.
+    side by side; the step lies at the centroid of the squared slope of the right sign. The profile is
+    smoothed first, else a sharp step is drawn to the pixels' grid: by 0.1 px, and for cells of whole
+    pixels all alike.
 
     A tone curve steepens the dark half of a blurred step, so that its middle seems to lie there:
     by a third of a pixel in a sharp picture, more where it is blurred, and then not alike for

@@ -14,6 +14,8 @@ from padstudio.vision.types import Array
 
 # Samples of a profile, and the lines side by side that it is averaged over.
 _STEPS, _BESIDE_LINES = 13, 3
+# How often a profile is averaged with its neighbours, 1 : 2 : 1.
+_SMOOTHINGS = 3
 # Profiles are averaged over lines to this share of half a cell on either side.
 _BESIDE = 0.5
 # Profiles never reach further than this share of a cell.
@@ -40,7 +42,7 @@ def find_step(
 
     The profile and the lines beside it must lie within the plane.
     """
-    before = rise = spent = weighted = power = 0.0
+    profile = np.empty(_STEPS)
     for k in range(_STEPS):
         t = -1 + 2 * k / (_STEPS - 1)
         total = 0.0
@@ -52,15 +54,21 @@ def find_step(
             top = values[r, c] * (1 - fx) + values[r, c + 1] * fx
             low = values[r + 1, c] * (1 - fx) + values[r + 1, c + 1] * fx
             total += top * (1 - fy) + low * fy
-        value = total / _BESIDE_LINES
-        if k > 0:
-            slope = (value - before) * sign
-            spent += abs(slope)
-            if slope > 0:
-                rise += slope
-                power += slope * slope
-                weighted += slope * slope * (t - 1 / (_STEPS - 1))
-        before = value
+        profile[k] = total / _BESIDE_LINES
+    for _ in range(_SMOOTHINGS):
+        before = profile[0]
+        for k in range(1, _STEPS - 1):
+            here = profile[k]
+            profile[k] = (before + 2 * here + profile[k + 1]) / 4
+            before = here
+    rise = spent = weighted = power = 0.0
+    for k in range(1, _STEPS):
+        slope = (profile[k] - profile[k - 1]) * sign
+        spent += abs(slope)
+        if slope > 0:
+            rise += slope
+            power += slope * slope
+            weighted += slope * slope * (-1 + (2 * k - 1) / (_STEPS - 1))
     return (weighted / power if power > 0 else 0.0), rise, spent
 
 

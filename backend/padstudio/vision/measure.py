@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.align import Match
-from padstudio.vision.borders import Borders, Measured, concatenate, measure, visible_borders
+from padstudio.vision.borders import Borders, Measured, measure, visible_borders
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.motion import KnownMotion, MovingPose
@@ -73,7 +73,7 @@ class Measurement:
     layer : Layer
         The finest layer that was measured.
     measured : Measured
-        The borders of it and of coarser layers.
+        Its borders.
     camera : Camera
         At the frame's size.
     cell_px : float
@@ -160,15 +160,14 @@ class Refiner:
         return rungs
 
     def polish(self, rungs: list[Rung]) -> Measurement | None:
-        """Measure all borders; finest layer first, coarser ones where its cells disagree."""
+        """Measure all borders of the finest layer, or of a coarser one where its cells disagree.
+
+        Lenses and sensors shift channels against each other by parts of a pixel, so that borders of
+        two layers together would tell a pose that suits neither.
+        """
         for last in range(len(rungs), 0, -1):
             rung = rungs[last - 1]
-            measured = concatenate(
-                [
-                    self._measure(item.layer, item.borders, rung.pose, item.cell_px, sharper=1)
-                    for item in rungs[:last]
-                ]
-            )
+            measured = self._measure(rung.layer, rung.borders, rung.pose, rung.cell_px, sharper=1)
             fit = self._finish(rung, measured)
             if fit is None:
                 continue
