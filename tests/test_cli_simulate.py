@@ -8,8 +8,9 @@ from typer.testing import CliRunner
 
 from padstudio.cli import app
 from padstudio.geometry.camera import Camera
-from padstudio.pad.coverage import METHOD_LIMITS
+from padstudio.pad.coverage import METHOD_LIMITS, cells_needed
 from padstudio.pad.spec import Layer, Pad
+from padstudio.pad.view import View
 
 
 def run(*arguments):
@@ -84,10 +85,15 @@ def test_looks_are_listed():
 def test_coverage_shows_spans_and_the_dead_band(files):
     arguments = ("coverage", "--pad", files / "pad.json", "--camera", files / "camera.yaml")
     result = run(*arguments, "--tilts", "0", "--switch-mm", 180)
-    need = METHOD_LIMITS["dense"].cells_across or 5.0
+    view = View(width_px=2720, height_px=1530, focal_px=1886.0)
+    pad = Pad.load(files / "pad.json")
+    red, blue = (
+        cells_needed(5, 2, (layer.rows, layer.cols), view, METHOD_LIMITS["dense"])
+        for layer in (pad.layer("red"), pad.layer("blue"))
+    )
     # Cells of 10 mm across 1530 px at f = 1886 px.
-    assert f"red           0°  {need * 10 * 1886 / 1530:6.0f} " in result.stdout
-    assert f"2.9 blue cells across, not {need:g}" in result.stderr
+    assert f"red           0°  {red * 10 * 1886 / 1530:6.0f} " in result.stdout
+    assert f"2.9 blue cells across, not {blue:.1f}" in result.stderr
     data = json.loads(run(*arguments, "--tilts", "0,40", "--json").stdout)
     assert [span["layer"] for span in data["spans"]] == ["red", "blue", "outline"] * 2
     assert data["dead_bands"] == []

@@ -17,7 +17,6 @@
  *
  * @typedef {object} MethodCoverage
  * @property {Method} method
- * @property {number} cells_across
  * @property {number} cell_px
  * @property {number | null} sign_cell_px
  * @property {Span[]} spans

@@ -10,7 +10,8 @@ import pytest
 from browser_support import CAMERA_FILE, PAD_FILE, Complaints
 from playwright.sync_api import Page, Route, expect
 
-from padstudio.pad.coverage import METHOD_LIMITS
+from padstudio.pad.coverage import METHOD_LIMITS, cells_needed
+from padstudio.pad.view import View
 
 
 @pytest.fixture
@@ -32,7 +33,8 @@ def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
     expect(chart.locator(".outline")).to_have_count(3)
     expect(chart.locator(".dead-band")).to_have_count(0)
     # So many cells of 10 mm across 765 px at f = 943 px.
-    low = (METHOD_LIMITS["dense"].cells_across or 5) * 10 * 943 / 765
+    view = View(width_px=1360, height_px=765, focal_px=943.0)
+    low = cells_needed(5, 2, (125, 125), view, METHOD_LIMITS["dense"]) * 10 * 943 / 765
     shown = re.compile(rf"Red layer\s*{low:.1f} mm")
     expect(plan.locator("#chart-facts")).to_contain_text(shown)
     expect(plan.locator("#chart-facts")).to_contain_text("Whole sign")

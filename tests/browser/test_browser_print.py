@@ -15,7 +15,8 @@ import pytest
 from browser_support import Complaints
 from playwright.sync_api import Page, expect
 
-from padstudio.pad.coverage import METHOD_LIMITS
+from padstudio.pad.coverage import METHOD_LIMITS, cells_needed
+from padstudio.pad.view import View
 from strip_photo import strip_photo
 
 SMALL = "/design?rows=30&cols=20&ratio=2&cell_mm=15&quiet_mm=12&name=sheets"
@@ -55,7 +56,8 @@ def test_heights_are_told_for_the_chosen_camera(open_page: Callable[..., Page]) 
     page.get_by_label("Heights read with").select_option(CAMERA)
     facts = page.locator("#print-panel [data-ref=facts]")
     # So many cells of 15 mm across 1530 px at f = 1886 px, as docs/simulation.md has it.
-    low = (METHOD_LIMITS["dense"].cells_across or 5) * 15 / (1530 / 1886.0)
+    view = View(width_px=2720, height_px=1530, focal_px=1886.0)
+    low = cells_needed(5, 2, (40, 40), view, METHOD_LIMITS["dense"]) * 15 / (1530 / 1886.0)
     expect(facts).to_contain_text(re.compile(rf"Red layer\s*{low:.1f}"))
     expect(facts).to_contain_text("Blue layer")
     expect(page).to_have_url(re.compile(f"camera={CAMERA}"))

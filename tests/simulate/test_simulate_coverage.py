@@ -159,10 +159,10 @@ def test_the_charts_highest_height_is_where_half_of_the_frames_are_read(
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 30.0])
 def test_the_charts_lowest_height_is_right_to_one_cell(tilt_deg):
-    pad, shot = lone(40, 20.0), camera(640, 480, 500.0)
-    view = view_of(shot)
+    shot = camera(680, 382, 471.5)
+    pad, view = lone(25, 50.0), view_of(shot)
     span = layer_span(pad, pad.layers[0], view, METHOD_LIMITS["dense"], tilt_deg)
-    one_cell = 20.0 / view.extent_per_height(tilt_deg)
+    one_cell = 50.0 / view.extent_per_height(tilt_deg)
     heights = [span.low_mm - one_cell, span.low_mm + one_cell]
     below, above = shares(pad, shot, heights, tilt_deg, trials=8)
     assert below < 0.4

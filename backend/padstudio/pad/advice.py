@@ -6,12 +6,14 @@ import math
 from dataclasses import dataclass
 
 from padstudio.errors import SpecError
-from padstudio.pad.coverage import ReadLimits, sign_known_to_mm, window_known_to_mm
+from padstudio.pad.coverage import ReadLimits, cells_needed, sign_known_to_mm, window_known_to_mm
 from padstudio.pad.spec import MAX_CELLS
 from padstudio.pad.view import View
 
 # The layers' ranges overlap by this factor of height: a gust across the border costs no pose.
 OVERLAP = 1.25
+# Cells are chosen as for a layer of so many a side; fewer need a little less in the picture.
+_MANY = 250
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def advise(
             f"heights {low_mm:g} … {high_mm:g} mm and reach {reach_mm:g} mm are no range above 0"
         )
     wish = _Wish(view, high_mm, window, limits, (0.0, tilt_deg))
-    need = limits.cells_across or float(window)
+    need = cells_needed(window, levels, (_MANY, _MANY), view, limits)
     # A leaning camera sees more ground, so that the upright one decides below.
     extent = view.extent_per_height(0.0)
     cell = round_down(low_mm * extent / need)
@@ -91,15 +93,22 @@ def advise(
     ratio, notes = wish.ratio(cell, math.floor(wish.layer_reach_mm(cell) / lowest / OVERLAP))
     coarse = max(2 * math.ceil(need), math.ceil((low_mm * extent + 2 * reach_mm) / (cell * ratio)))
     cells = wish.enough(cell, ratio, coarse) * ratio
-    room = math.floor(math.sqrt(float(levels) ** min(window * window, 60) / 4)) + window - 1
-    if cells > min(room, MAX_CELLS):
+    room = _room(window, levels)
+    if cells > room:
         notes.append(
             f"{cells} x {cells} cells do not fit the code of window {window} and {levels} levels "
-            f"({min(room, MAX_CELLS)} a side at most under rotation); use a larger window or cells"
+            f"({room} a side at most under rotation); use a larger window or cells"
         )
-        cells = max(ratio, min(room, MAX_CELLS) // ratio * ratio)
+        cells = max(ratio, room // ratio * ratio)
+    lowest = cells_needed(window, levels, (cells, cells), view, limits) * cell / extent
     highest = min(wish.layer_reach_mm(cell * ratio), wish.sign_reach_mm(cell, ratio, cells))
     return Advice(cell, ratio, cells, lowest, highest, tuple(notes))
+
+
+def _room(window: int, levels: int) -> int:
+    """Most cells a side whose windows can all differ, in all four turns."""
+    most = math.floor(math.sqrt(float(levels) ** min(window * window, 60) / 4)) + window - 1
+    return min(most, MAX_CELLS)
 
 
 @dataclass(frozen=True)

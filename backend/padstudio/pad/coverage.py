@@ -32,7 +32,10 @@ class ReadLimits:
     Attributes
     ----------
     cells_across : float or None
-        Least cells across the picture; None is the pad's window.
+        Least cells across the picture; None is the pad's window, where ``spare_bits`` is None too.
+    spare_bits : float or None
+        For a method that counts all cells in the picture: what they must tell beyond a layer's
+        places and turns, log2 of the odds.
     cell_px : float
         Least width of a layer's cell, pixels, as of `View.cell_px`.
     sign_cell_px : float or None
@@ -48,6 +51,7 @@ class ReadLimits:
     """
 
     cells_across: float | None = None
+    spare_bits: float | None = None
     cell_px: float = 3.0
     sign_cell_px: float | None = None
     sign_side_px: float = 30.0
@@ -57,8 +61,8 @@ class ReadLimits:
 
     def __post_init__(self) -> None:
         given = (
-            self.cells_across, self.cell_px, self.sign_cell_px, self.sign_side_px,
-            self.border_px, self.corner_px, self.sign_corner_px,
+            self.cells_across, self.spare_bits, self.cell_px, self.sign_cell_px,
+            self.sign_side_px, self.border_px, self.corner_px, self.sign_corner_px,
         )  # fmt: skip
         if not all(value is None or 0 < value < math.inf for value in given):
             raise SpecError("the limits of reading are numbers above 0")
@@ -66,7 +70,7 @@ class ReadLimits:
 
 #: What the detector's methods need, as tests/benchmarks/bench_limits.py finds it in daylight.
 METHOD_LIMITS: dict[Method, ReadLimits] = {
-    "dense": ReadLimits(cells_across=4.1, cell_px=4.3, sign_cell_px=1.08, border_px=0.51),
+    "dense": ReadLimits(spare_bits=18.7, cell_px=4.3, sign_cell_px=1.08, border_px=0.51),
     "paper": ReadLimits(
         cells_across=5.0, cell_px=13.0, sign_cell_px=1.7, corner_px=0.22, sign_corner_px=0.8
     ),
@@ -98,6 +102,26 @@ class Span:
         return self.low_mm < self.high_mm
 
 
+def cells_needed(
+    window: int, levels: int, size: tuple[int, int], view: View, limits: ReadLimits
+) -> float:
+    """Cells across the picture's shorter side that a layer needs.
+
+    Parameters
+    ----------
+    window, levels : int
+        Of the pad's code.
+    size : (rows, columns) of int
+        Of the layer: the more places there are, the more cells tell them apart.
+    view : View
+    limits : ReadLimits
+    """
+    if limits.cells_across is not None or limits.spare_bits is None:
+        return limits.cells_across or float(window)
+    cells = (math.log2(4 * size[0] * size[1]) + limits.spare_bits) / math.log2(levels)
+    return math.sqrt(cells * view.side_px / max(view.width_px, view.height_px))
+
+
 def layer_span(
     pad: Pad, layer: Layer, view: View, limits: ReadLimits, tilt_deg: float = 0.0
 ) -> Span:
@@ -108,7 +132,7 @@ def layer_span(
     SpecError
         If the tilt is not within 0 … 89 degrees.
     """
-    need = limits.cells_across or float(pad.window)
+    need = cells_needed(pad.window, pad.levels, (layer.rows, layer.cols), view, limits)
     if need > min(layer.rows, layer.cols):
         return Span(layer=layer.channel, tilt_deg=tilt_deg, low_mm=math.inf, high_mm=0.0)
     return Span(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from padstudio.errors import SpecError
-from padstudio.pad.coverage import ReadLimits, Span, coverage
+from padstudio.pad.coverage import ReadLimits, Span, cells_needed, coverage
 from padstudio.pad.spec import Pad
 from padstudio.pad.view import View
 
@@ -77,9 +77,9 @@ def _message(pad: Pad, view: View, limits: ReadLimits, low_mm: float, above: Spa
     layer = pad.layer(above.layer)
     assert layer is not None
     seen = view.cells_across(layer.cell_mm, low_mm, above.tilt_deg)
-    need = limits.cells_across or float(pad.window)
+    need = cells_needed(pad.window, pad.levels, (layer.rows, layer.cols), view, limits)
     return (
-        f"{head}the picture holds {seen:.1f} {above.layer} cells across, not {need:g}; use a "
+        f"{head}the picture holds {seen:.1f} {above.layer} cells across, not {need:.1f}; use a "
         "smaller ratio of the layers, or a method that reads the finer layer higher up"
     )
 

@@ -134,7 +134,6 @@ def _chart(pad: Pad, camera: str, tilts_deg: list[float], store: Store) -> Cover
     methods = [
         MethodCoverage(
             method=method,
-            cells_across=limits.cells_across or float(pad.window),
             cell_px=limits.cell_px,
             sign_cell_px=limits.sign_cell_px,
             spans=[_span(span) for span in coverage.coverage(pad, view, limits, tilts_deg)],

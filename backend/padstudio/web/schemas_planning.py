@@ -19,7 +19,6 @@ _CHART_EXAMPLE: dict[str, Any] = {
     "methods": [
         {
             "method": "dense",
-            "cells_across": 4.1,
             "cell_px": 4.3,
             "sign_cell_px": 1.08,
             "spans": [
@@ -79,7 +78,6 @@ class MethodCoverage(BaseModel):
     """What one method reads."""
 
     method: Method
-    cells_across: float = Field(description="Cells that it needs across the picture.")
     cell_px: float = Field(description="Pixels that it needs along a cell of a layer.")
     sign_cell_px: float | None = Field(
         description="Pixels along a coarsest cell that suffice with the whole sign in view."

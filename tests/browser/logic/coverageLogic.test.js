@@ -6,7 +6,7 @@ import { contains, equal, near } from "./check.js";
 
 const span = (layer, tilt, low, high) => ({ layer, tilt_deg: tilt, low_mm: low, high_mm: high });
 const DENSE = {
-  method: "dense", cells_across: 5, cell_px: 4.6,
+  method: "dense", cell_px: 4.6,
   spans: [
     span("red", 0, 60, 400), span("blue", 0, 800, 4000),
     span("red", 30, 50, 300), span("blue", 30, null, null),

@@ -9,7 +9,7 @@ const ADVICE = {
   window: 5, levels: 2, cell_mm: 15, ratio: 4, cells: 60, size_mm: 900, low_mm: 92.4, high_mm: 21000, notes: [],
 };
 const COVERAGE = {
-  method: "dense", cells_across: 5, cell_px: 4.6, dead_bands: [],
+  method: "dense", cell_px: 4.6, dead_bands: [],
   spans: [{ layer: "red", tilt_deg: 0, low_mm: 60, high_mm: 400 }],
 };
 const row = (height, share) => ({
