@@ -7,6 +7,7 @@ an error: see `padstudio.vision.types.StageFailure`.
 
 from __future__ import annotations
 
+import errno
 from typing import Any, ClassVar
 
 
@@ -141,3 +142,13 @@ class StorageError(StudioError):
 
     code = "storage"
     status = 507
+
+
+def full_disk(error: BaseException) -> StorageError | None:
+    """A full disk by its name; None where an error is another one."""
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return StorageError(
+            "the disk that holds the data folder is full; make room and try again",
+            code="disk_full",
+        )
+    return None

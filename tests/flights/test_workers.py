@@ -13,6 +13,7 @@ from padstudio.errors import (
     BusyError,
     LimitError,
     SearchExhaustedError,
+    StorageError,
     TimeLimitError,
     WorkerCrashError,
 )
@@ -51,6 +52,12 @@ def test_a_defect_carries_the_workers_traceback(pool: WorkerPool) -> None:
     with pytest.raises(RuntimeError, match="divide failed") as caught:
         pool.submit(worker_jobs.divide, timeout_s=30).result()
     assert "ZeroDivisionError" in caught.value.__notes__[0]
+
+
+def test_a_full_disk_is_named(pool: WorkerPool) -> None:
+    with pytest.raises(StorageError, match="make room") as caught:
+        pool.submit(worker_jobs.fill_the_disk, timeout_s=30).result()
+    assert caught.value.error_code == "disk_full"
 
 
 def test_a_dead_worker_is_replaced(pool: WorkerPool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import queue
 import threading
@@ -54,8 +55,7 @@ class Runner:
         self._thread = threading.Thread(target=self._run, name="flights", daemon=True)
 
     def start(self) -> None:
-        """Queue what an earlier server left unfinished, and begin."""
-        self._chunks.release_all()
+        """Begin, with what an earlier server left unfinished."""
         self._thread.start()
 
     @property
@@ -74,11 +74,17 @@ class Runner:
         if self._thread.is_alive():
             self._thread.join()
         self._engine.close()
-        self._chunks.release_all()
+        # A disk that is full keeps this from being written; the next start does it in any case.
+        with contextlib.suppress(SQLAlchemyError):
+            self._chunks.release_all()
 
     def _run(self) -> None:
+        is_fresh = True
         while not self._closing.is_set():
             try:
+                if is_fresh:
+                    self._chunks.release_all()
+                    is_fresh = False
                 self._take_ended()
                 self._stop_unwanted()
                 if not self._flights.purge():

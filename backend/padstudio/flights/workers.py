@@ -24,6 +24,7 @@ from padstudio.errors import (
     StudioError,
     TimeLimitError,
     WorkerCrashError,
+    full_disk,
 )
 
 ResultT = TypeVar("ResultT")
@@ -198,7 +199,8 @@ def _answer(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, A
             return "error", LimitError(
                 "the work needs more memory than a worker may take; try something smaller"
             )
-        return "defect", traceback.format_exc()
+        full = full_disk(error)
+        return ("error", full) if full else ("defect", traceback.format_exc())
 
 
 def _portable(error: StudioError) -> StudioError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import logging
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -14,7 +13,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
-from padstudio.errors import StorageError, StudioError
+from padstudio.errors import StorageError, StudioError, full_disk
 from padstudio.flights.store_database import DatabaseFault, storage_error
 from padstudio.web import pages
 from padstudio.web.headers import SECURITY_HEADERS
@@ -100,13 +99,8 @@ async def _http_error(request: Request, error: Exception) -> Response:
 
 
 async def _os_error(request: Request, error: Exception) -> Response:
-    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
-        full = StorageError(
-            "the disk that holds the data folder is full; make room and try again",
-            code="disk_full",
-        )
-        return respond_error(request, full)
-    return await _defect(request, error)
+    full = full_disk(error)
+    return respond_error(request, full) if full else await _defect(request, error)
 
 
 async def _database_error(request: Request, error: Exception) -> Response:
