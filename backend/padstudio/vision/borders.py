@@ -101,9 +101,9 @@ def measure(
     """Find each border's step near where a pose predicts it.
 
     Along the normal of each predicted border a short profile is taken, averaged over three lines
-    side by side; the step lies at the centroid of the squared slope of the right sign. The profile is
-    smoothed first, else a sharp step is drawn to the pixels' grid: by 0.1 px, and for cells of whole
-    pixels all alike.
+    side by side; the step lies at the centroid of the squared slope of the right sign. The profile
+    is smoothed first, else a sharp step is drawn to the pixels' grid: by 0.1 px, and in cells of
+    whole pixels all alike.
 
     A tone curve steepens the dark half of a blurred step, so that its middle seems to lie there:
     by a third of a pixel in a sharp picture, more where it is blurred, and then not alike for

@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.geometry.pose import Pose
 from padstudio.vision.types import Array
 
 #: Tiles a side over what was measured.
@@ -24,7 +25,7 @@ TILES = 8
 _LEAST_SCATTER = 0.5
 _LEAST_SHARE = 0.3
 # Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
-_PICTURE_SHIFT_PX = 0.04
+_PICTURE_SHIFT_PX = 0.03
 
 
 def newton_share(weight: Array, trust: Array | float = 1.0) -> float:
@@ -101,12 +102,17 @@ def with_picture_shift(covariance: Array, focal_px: float) -> Array:
     return out
 
 
-def with_bend(covariance: Array, height_mm: float) -> Array:
+def with_bend(covariance: Array, pose: Pose) -> Array:
     """A pose's covariance (6, 6) with what its own size makes of it in the second order.
 
-    A camera that is tilted by δ more than it says, and stands the more aside for it, is lower by
-    δ²/2 of its height: straight lines of equal likelihood are arcs.
+    Where tilt and standing aside look alike, poses that fit lie on an arc about the pad rather than
+    on a line: a camera that is off by δ along it is nearer by δ²/2 of its distance, and turned
+    about its axis by as much.
     """
-    unit = np.array([height_mm] * 3 + [1.0] * 3)
-    largest = float(np.linalg.eigvalsh(covariance[3:, 3:])[-1])
-    return covariance + np.diag((unit * largest / 2) ** 2)
+    axis = pose.rotation[:, 2]
+    bend = float(np.linalg.eigvalsh(covariance[3:, 3:])[-1]) / 2
+    along = bend * pose.position_mm[2] / max(-axis[2], 0.1) * axis
+    out = covariance.copy()
+    out[:3, :3] += np.outer(along, along)
+    out[5, 5] += bend**2
+    return out

@@ -271,7 +271,7 @@ def _whole(found: WholeSign, focal_px: float) -> Detection:
 
 def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
     covariance = with_picture_shift(fit.covariance, focal_px)
-    covariance = with_bend(covariance, float(fit.pose.pose.position_mm[2]))
+    covariance = with_bend(covariance, fit.pose.pose)
     sigma = np.sqrt(np.diag(covariance))
     return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
 

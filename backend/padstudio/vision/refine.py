@@ -37,6 +37,8 @@ _CLIMB = 8
 # The moving model must lower the sum of squares by this many variances, six being free.
 _MOTION_GAIN = 40.0
 _CHANCE_GAIN = 6.0
+# What lens, sensor and ink leave over near the ground is no motion, however well it is measured.
+_LEAST_RMS_PX = 0.06
 _LEAST_BORDERS, _LEAST_INLIERS = 12, 10
 
 
@@ -147,7 +149,7 @@ def better_of(still: Fit, moving: Fit | None) -> Fit:
     if moving is None:
         return still
     count = int(still.inliers.sum())
-    gain = count * (still.rms_px**2 / max(moving.rms_px, 1e-6) ** 2 - 1)
+    gain = count * (still.rms_px**2 - moving.rms_px**2) / max(moving.rms_px, _LEAST_RMS_PX) ** 2
     if gain > _MOTION_GAIN:
         return moving
     # Six free parameters gain six variances by chance; what gains more may well be right.
