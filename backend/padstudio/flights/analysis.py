@@ -182,7 +182,7 @@ def save_picture(folder: Path, name: str, picture: Image, *, is_thin: bool = Fal
     name : str
     picture : (h, w, 3) uint8
     is_thin : bool
-        Bright lines on black, which the thumbnail's mean would darken: it has their brightest.
+        Bright lines on black, which a mean over pixels would darken: they are made wider.
     """
     if picture.ndim == 3 and not np.ptp(picture[::7, ::7].astype(np.int16), axis=2).any():
         # Most stages are grey in three channels; one is a third of the work.
@@ -194,7 +194,8 @@ def save_picture(folder: Path, name: str, picture: Image, *, is_thin: bool = Fal
     if width > THUMBNAIL_WIDTH_PX:
         size = (THUMBNAIL_WIDTH_PX, max(1, round(height * THUMBNAIL_WIDTH_PX / width)))
         if is_thin:
-            reach = -(-width // THUMBNAIL_WIDTH_PX)
+            # Pages show thumbnails smaller still, so lines are two pixels of them wide.
+            reach = 2 * -(-width // THUMBNAIL_WIDTH_PX)
             picture = np.asarray(cv2.dilate(picture, np.ones((reach, reach), np.uint8)), np.uint8)
         picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
     _encode(folder / (THUMBNAIL_PREFIX + name), picture)
