@@ -170,20 +170,30 @@ function outline(frame, run) {
 }
 
 /**
- * The dead band as spans, one a tilt, where it is at its widest.
+ * Dead bands from tilt to tilt: each joins the one beside it whose heights overlap with its own.
  * @param {MethodCoverage} coverage
- * @returns {DeadBand[]}
+ * @returns {DeadBand[][]}
  */
-export function widestBands(coverage) {
-  /** @type {Map<number, DeadBand>} */
-  const widest = new Map();
-  for (const band of coverage.dead_bands) {
-    const old = widest.get(band.tilt_deg);
-    const width = (/** @type {DeadBand} */ each) => each.high_mm / each.low_mm;
-    if (!old || width(band) > width(old)) widest.set(band.tilt_deg, band);
-  }
-  return [...widest.values()].sort((a, b) => a.tilt_deg - b.tilt_deg);
+export function bandRuns(coverage) {
+  const tilts = [...new Set(coverage.spans.map((span) => span.tilt_deg))].sort((a, b) => a - b);
+  /** @type {DeadBand[][]} */
+  const runs = [];
+  tilts.forEach((tilt, place) => {
+    for (const band of coverage.dead_bands.filter((each) => each.tilt_deg === tilt)) {
+      const run = runs.find((each) => {
+        const last = each[each.length - 1];
+        return last.tilt_deg === tilts[place - 1] && last.low_mm < band.high_mm && band.low_mm < last.high_mm;
+      });
+      if (run) run.push(band);
+      else runs.push([band]);
+    }
+  });
+  return runs;
 }
+
+/** @param {DeadBand[]} bands  at least one @returns {DeadBand} */
+export const widestOf = (bands) =>
+  bands.reduce((a, b) => (b.high_mm / b.low_mm > a.high_mm / a.low_mm ? b : a));
 
 /**
  * What the dead band means, at the least tilt that has one; empty where there is none.
@@ -191,8 +201,10 @@ export function widestBands(coverage) {
  * @returns {string}
  */
 export function deadBandInWords(coverage) {
-  const [band] = coverage ? widestBands(coverage) : [];
-  if (!band) return "";
+  const bands = coverage?.dead_bands ?? [];
+  if (!bands.length) return "";
+  const least = Math.min(...bands.map((each) => each.tilt_deg));
+  const band = widestOf(bands.filter((each) => each.tilt_deg === least));
   const place = band.tilt_deg ? `At ${band.tilt_deg}° of tilt and more, f` : "F";
   return `${place}${band.message.slice(1)}.`;
 }

@@ -3,9 +3,10 @@
 
     bench_simulate_video.py [--footage FOLDER] [--places N] [--png FOLDER]
 
-For some places of each flight of a folder (by default tests/footage) eight frames are simulated
-from the true poses, with velocities from the poses round them, and encoded as the flight is. The
-last four are compared, after decoding both: brightness; largest difference of a cell kind's median
+For some places of each flight of a folder (by default tests/footage) 24 frames are simulated from
+the true poses, with velocities from the poses round them, and encoded as the flight is. Four in the
+middle are compared, after decoding both, as encoders look ahead and keep noise from frame to frame:
+brightness; largest difference of a cell kind's median
 colour (of 255) at equal brightness; ratios, simulated over footage, of the noise within cells, the
 gradient at cell edges and the bytes a frame. The camera's exposure and readout are not in the
 footage: 4 and 12 ms let the pictures lie over each other best. `--png` keeps pairs of pictures.
@@ -35,7 +36,7 @@ from padstudio.simulate.video_writer import VideoWriter
 
 CAMERA = Imaging(jpeg_quality=None, exposure_ms=4.0, readout_ms=12.0)
 CODECS = {"h264": "h264", "hevc": "h265"}
-FRAMES, COMPARED, QUIET_MM = 8, 4, 40.0
+FRAMES, COMPARED, QUIET_MM = 24, range(12, 16), 40.0
 
 
 def pose_of(record):
@@ -107,19 +108,18 @@ def compare(flight, pad, places, png):
             path = Path(folder) / "simulated.mp4"
             ours, our_sizes = simulated(path, pad, camera, records, start, fps, CODECS[codec])
         found = []
-        for k in range(FRAMES - COMPARED, FRAMES):
+        for k in COMPARED:
             kinds = cell_kinds(pad, camera, pose_of(records[start + k]))
             found.append(differences(theirs[start + k], ours[k], kinds))
-        size = statistics.mean(our_sizes[-COMPARED:]) / statistics.mean(
-            sizes[start + FRAMES - COMPARED : start + FRAMES]
-        )
+        # From the fifth on, so that a key frame of only one of both does not count.
+        size = statistics.mean(our_sizes[4:20]) / statistics.mean(sizes[start + 4 : start + 20])
         gain, color, noise, edges = np.mean(found, axis=0)
         print(
             f"{flight.stem:20} {start:5} {records[start]['position_mm'][2]:6.0f} mm {gain:10.3f} "
             f"{color:6.1f} {noise:6.3f} {edges:6.3f} {size:6.2f}"
         )
         if png:
-            pair = np.hstack([theirs[start + FRAMES - 1], ours[FRAMES - 1]])
+            pair = np.hstack([theirs[start + COMPARED[-1]], ours[COMPARED[-1]]])
             cv2.imwrite(str(png / f"{flight.stem}-{start}.png"), pair)
 
 

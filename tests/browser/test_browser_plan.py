@@ -39,11 +39,11 @@ def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
     expect(plan.locator("#chart-facts")).to_contain_text(shown)
     expect(plan.locator("#chart-facts")).to_contain_text("Whole sign")
     plan.get_by_role("radio", name="Paper").check(force=True)
-    expect(chart.locator(".dead-band")).to_have_count(1)
+    expect(chart.locator(".dead-band").first).to_be_visible()
     expect(plan.locator("#dead-band")).to_contain_text("no layer reads")
     expect(plan).to_have_url(re.compile("method=paper"))
     plan.reload()
-    expect(chart.locator(".dead-band")).to_have_count(1)
+    expect(chart.locator(".dead-band").first).to_be_visible()
 
 
 def test_the_chart_is_read_under_the_pointer(plan: Page) -> None:

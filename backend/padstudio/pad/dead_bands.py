@@ -72,7 +72,8 @@ def _message(pad: Pad, view: View, limits: ReadLimits, low_mm: float, above: Spa
     if above.layer == "outline":
         return (
             f"{head}its cells are too small or its lean too faint, and the sign as a whole is in "
-            f"the picture only from {above.low_mm:.0f} mm; use a second layer of larger cells"
+            f"the picture only from {above.low_mm:.0f} mm; use larger cells, or a method that "
+            "reads smaller ones"
         )
     layer = pad.layer(above.layer)
     assert layer is not None

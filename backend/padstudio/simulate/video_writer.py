@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 Codec = Literal["h264", "h265"]
 _ENCODERS = {"h264": "libx264", "h265": "libx265"}
+# Presets and rate factors that give a drone's noise and size (docs/simulation.md): faster presets
+# smooth noise away that cameras' encoders keep. The two encoders' scales differ.
+_SETTINGS = {"h264": ("slow", 20), "h265": ("medium", 24)}
 
 
 def check_size(width: int, height: int) -> None:
@@ -43,8 +46,8 @@ class VideoWriter:
         Even, as 4:2:0 asks for.
     fps : float
     codec : {"h264", "h265"}
-    quality : int
-        Constant rate factor, 0 (best) … 51.
+    quality : int, optional
+        Constant rate factor, 0 (best) … 51; a drone's by default.
     keyframe_every : int
         Frames between key frames.
 
@@ -62,7 +65,7 @@ class VideoWriter:
         height: int,
         fps: float,
         codec: Codec = "h264",
-        quality: int = 20,
+        quality: int | None = None,
         keyframe_every: int = 30,
     ) -> None:
         import av
@@ -71,11 +74,13 @@ class VideoWriter:
         check_size(width, height)
         if codec not in _ENCODERS:
             raise SpecError(f"no codec {codec!r}; use {' or '.join(_ENCODERS)}")
+        preset, usual = _SETTINGS[codec]
+        quality = usual if quality is None else quality
         if not 0 <= quality <= 51:
             raise SpecError(f"quality is {quality}; it must lie within 0 … 51")
         self._container = av.open(str(path), "w")
         # A fixed number of threads: x264's and x265's output depends on it.
-        options = {"crf": str(quality), "preset": "veryfast"}
+        options = {"crf": str(quality), "preset": preset}
         if codec == "h265":
             options["x265-params"] = "log-level=error:pools=2:frame-threads=1"
         else:

@@ -14,7 +14,8 @@
  */
 
 import {
-  areaPath, heightRange, layerInWords, layersOf, logTicks, moved, placeInWords, placeOf, TILTS_DEG, widestBands, xOf, yOf,
+  areaPath, bandRuns, heightRange, layerInWords, layersOf, logTicks, moved, placeInWords, placeOf, TILTS_DEG, widestOf,
+  xOf, yOf,
 } from "../coverageLogic.js";
 import { length } from "../formatLogic.js";
 import { draw, titled } from "./svg.js";
@@ -149,9 +150,9 @@ const outlines = (frame, other) =>
 
 /** @param {Frame} frame @param {MethodCoverage} coverage @returns {SVGElement[]} */
 function bands(frame, coverage) {
-  const found = widestBands(coverage);
-  if (!found.length) return [];
-  const widest = found.reduce((a, b) => (b.high_mm / b.low_mm > a.high_mm / a.low_mm ? b : a));
+  const runs = bandRuns(coverage);
+  if (!runs.length) return [];
+  const widest = widestOf(runs.flat());
   const isLate = widest.tilt_deg > MOST_DEG / 2;
   const name = {
     x: xOf(frame, widest.tilt_deg) + (isLate ? -8 : 8),
@@ -160,7 +161,7 @@ function bands(frame, coverage) {
     class: "dead-band-name",
   };
   return [
-    titled(draw("path", { d: areaPath(frame, found), class: "dead-band" }), widest.message),
+    ...runs.map((run) => titled(draw("path", { d: areaPath(frame, run), class: "dead-band" }), widestOf(run).message)),
     draw("text", name, "dead band"),
   ];
 }

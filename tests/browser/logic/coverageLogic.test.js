@@ -1,6 +1,6 @@
 import {
-  areaPath, deadBandInWords, heightFacts, heightRange, heightSteps, layersOf, logTicks, moved, ofMethod, placeInWords,
-  placeOf, widestBands, xOf, yOf,
+  areaPath, bandRuns, deadBandInWords, heightFacts, heightRange, heightSteps, layersOf, logTicks, moved, ofMethod, placeInWords,
+  placeOf, widestOf, xOf, yOf,
 } from "/static/js/coverageLogic.js";
 import { contains, equal, near } from "./check.js";
 
@@ -54,7 +54,14 @@ export const tests = {
     equal(areaPath(FRAME, parted).match(/M/g).length, 2);
     equal(areaPath(FRAME, [span("red", 0, null, null)]), "");
   },
-  "the widest dead band of a tilt": () => equal(widestBands(DENSE), [DENSE.dead_bands[0]]),
+  "dead bands join those of the next tilt that they overlap with": () => {
+    const band = (tilt, low, high) => ({ tilt_deg: tilt, low_mm: low, high_mm: high, message: "" });
+    const tilts = [0, 10, 20, 30].map((tilt) => span("red", tilt, 10, 100));
+    const dead = [band(0, 100, 200), band(10, 110, 220), band(10, 500, 600), band(30, 110, 220)];
+    const runs = bandRuns({ ...DENSE, spans: tilts, dead_bands: dead });
+    equal(runs, [[dead[0], dead[1]], [dead[2]], [dead[3]]]);
+    equal(widestOf(dead), dead[0]);
+  },
   "a dead band in words, with the tilt where it begins": () => {
     equal(deadBandInWords(DENSE), "From 400 to 800 mm no layer reads.");
     const leaning = { ...DENSE, dead_bands: [{ ...DENSE.dead_bands[0], tilt_deg: 30 }] };
