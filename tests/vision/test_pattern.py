@@ -44,7 +44,7 @@ def test_the_texture_is_the_pad(px_per_mm):
 def test_pixels_show_the_pad_and_nothing_beyond_its_rim():
     pose = look_at_pad(3000.0, tilt_deg=20, heading_deg=10)
     pyramid = Pyramid(frame_of(pose, camera=CAMERA))
-    pixels = pixels_of(pyramid, CAMERA, sample_pad(), MovingPose(pose))
+    pixels = pixels_of(pyramid, CAMERA, sample_pad(), MovingPose(pose), 16_000)
     assert pixels is not None
     assert np.abs(on_pad(pose, pixels.rays)).max() < 625
     assert pixels.values.shape == (2, len(pixels.moment))

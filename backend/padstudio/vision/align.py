@@ -27,6 +27,8 @@ from padstudio.vision.planes import Pyramid
 from padstudio.vision.refine import Fit, MotionPrior
 from padstudio.vision.types import Array
 
+#: More pixels than this are thinned evenly: in a still, and where a pose is followed.
+MOST_PIXELS, FOLLOWED_PIXELS = 16_000, 8_000
 # Steps on a part of the pixels, as far as they serve, then on all.
 _ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
 _STEPS = 4
@@ -109,9 +111,11 @@ class Match:
         self._compared = False
 
     @classmethod
-    def of(cls, pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose) -> Match | None:
+    def of(
+        cls, pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose, most: int = MOST_PIXELS
+    ) -> Match | None:
         """The match of a pad with a frame near a pose; None where too few pixels show the pad."""
-        pixels = pixels_of(pyramid, camera, pad, start)
+        pixels = pixels_of(pyramid, camera, pad, start, most)
         if pixels is None:
             return None
         texture = texture_of(pad, camera.focal_px / float(start.pose.position_mm[2]))

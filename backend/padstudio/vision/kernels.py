@@ -92,3 +92,28 @@ def project(
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         out[i, 0], out[i, 1], _ = seen_at(x, y, z, pose, matrix, lens, height, still)
     return out
+
+
+@fast_jit
+def ground_seen(
+    rays: Array, rotation: Array, centre: Array, least_drop: float
+) -> tuple[Array, Array]:
+    """Least and largest x and y, mm, at which rays (N, 3) of a camera meet the pad's plane.
+
+    Rays that fall by less than ``least_drop`` are left out; without any, least exceeds largest.
+    """
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for i in range(len(rays)):
+        drop = 0.0
+        for k in range(3):
+            drop -= rotation[2, k] * rays[i, k]
+        if drop <= least_drop:
+            continue
+        reach = centre[2] / drop
+        for axis in range(2):
+            at = 0.0
+            for k in range(3):
+                at += rotation[axis, k] * rays[i, k]
+            at = centre[axis] + reach * at
+            low[axis], high[axis] = min(low[axis], at), max(high[axis], at)
+    return low, high

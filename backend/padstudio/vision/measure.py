@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.align import Match
+from padstudio.vision.align import FOLLOWED_PIXELS, MOST_PIXELS, Match
 from padstudio.vision.borders import Borders, Measured, measure, visible_borders
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
@@ -211,7 +211,8 @@ class Refiner:
     def _match(self, rung: Rung) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
         start = rung.pose
-        match = rung.match or Match.of(self.pyramid, self.camera, self.pad, start)
+        most = MOST_PIXELS if self.attempts else FOLLOWED_PIXELS
+        match = rung.match or Match.of(self.pyramid, self.camera, self.pad, start, most)
         if match is None:
             return None
         rolling = self.params.refine.motion

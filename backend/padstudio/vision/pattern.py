@@ -24,8 +24,6 @@ OVERSAMPLING = 2.0
 _BLUR_PX = 0.8
 # Textures are made at so many scales an octave.
 _SCALES = 8
-# More pixels than this are thinned evenly.
-_MOST_PIXELS = 16_000
 _LEAST_PIXELS = 150
 # Pixels this near to the pad's rim see the ground.
 _RIM_PX = 2.0
@@ -93,12 +91,14 @@ class Pixels:
         )
 
 
-def pixels_of(pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose) -> Pixels | None:
-    """The pixels of a frame that show the pad, or None where they are too few."""
+def pixels_of(
+    pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose, most: int
+) -> Pixels | None:
+    """The pixels of a frame that show the pad, evenly thinned; None where they are too few."""
     box = _outline_box(camera, pad, pose)
     if box is None:
         return None
-    stride = max(1, int(np.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / _MOST_PIXELS)))
+    stride = max(1, int(np.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / most)))
     x, y = np.meshgrid(np.arange(box.x0, box.x1, stride), np.arange(box.y0, box.y1, stride))
     xy = np.stack([x.ravel(), y.ravel()], axis=1)
     rays = np.column_stack([camera.normalize(xy), np.ones(len(xy))])
@@ -109,8 +109,8 @@ def pixels_of(pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose) -> P
     which = np.flatnonzero(inside)
     if len(which) < _LEAST_PIXELS:
         return None
-    if len(which) > _MOST_PIXELS:
-        which = which[np.linspace(0, len(which) - 1, _MOST_PIXELS).astype(np.intp)]
+    if len(which) > most:
+        which = which[np.linspace(0, len(which) - 1, most).astype(np.intp)]
     xy, rays = xy[which], rays[which]
     shown = pyramid.level(0)[xy[:, 1], xy[:, 0]]
     values = np.stack([shown[:, BGR_INDEX[layer.channel]] for layer in pad.layers])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -26,17 +27,14 @@ def visible_range(
     rows, cols : (first, last + 1)
         Empty ranges where the frame does not meet the layer.
     """
-    rays = _rays(camera) @ pose.rotation.T
-    rays = rays[rays[:, 2] < -_LEAST_DROP]
-    if not len(rays):
-        return (0, 0), (0, 0)
-    reach = -pose.position_mm[2] / rays[:, 2]
-    column, row = to_lattice(
-        pad,
-        layer,
-        pose.position_mm[0] + reach * rays[:, 0],
-        pose.position_mm[1] + reach * rays[:, 1],
+    from padstudio.vision import kernels
+
+    low, high = kernels.ground_seen(
+        _rays(camera), np.ascontiguousarray(pose.rotation), pose.position_mm, _LEAST_DROP
     )
+    if not low[0] <= high[0]:
+        return (0, 0), (0, 0)
+    column, row = to_lattice(pad, layer, np.array([low[0], high[0]]), np.array([high[1], low[1]]))
     return _span(row, layer.rows), _span(column, layer.cols)
 
 
@@ -66,6 +64,5 @@ def to_pad(pad: Pad, layer: Layer, coordinates: Array) -> Array:
 
 
 def _span(values: Array, count: int) -> tuple[int, int]:
-    low = int(np.clip(np.floor(values.min()) - 1, 0, count))
-    high = int(np.clip(np.ceil(values.max()) + 1, 0, count))
-    return low, high
+    low, high = math.floor(values[0]) - 1, math.ceil(values[1]) + 1
+    return min(max(low, 0), count), min(max(high, 0), count)
