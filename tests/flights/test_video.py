@@ -17,6 +17,9 @@ from padstudio.errors import LimitError, StorageError
 from padstudio.flights.video import VideoError
 from padstudio.flights.video_frames import read_frames
 from padstudio.flights.video_index import VideoIndex, read_index
+from padstudio.pad.spec import Channel
+from padstudio.vision.planes import Pyramid
+from padstudio.vision.yuv import YuvFrame, YuvPyramid
 
 FRAMES = 40
 KINDS: dict[str, dict[str, Any]] = {
@@ -45,6 +48,37 @@ def long_video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """200 frames whose index stands before them."""
     path = tmp_path_factory.mktemp("videos") / "long.mp4"
     return videos.write(path, 200, faststart=True, size=(320, 192))
+
+
+PLANES = {
+    "full.mp4": {"pixel_format": "yuvj420p"},
+    "bt709.mp4": {"options": {"x264-params": "colorprim=bt709:transfer=bt709:colormatrix=bt709"}},
+    "plain.mp4": {},
+}
+
+
+@pytest.mark.parametrize("name", PLANES)
+def test_frames_in_planes_are_their_pictures(name: str, tmp_path: Path) -> None:
+    """As FFmpeg's own conversion shows them, whatever range and standard the file tells."""
+    path = videos.write(tmp_path / name, 3, size=(194, 130), **PLANES[name])
+    index = read_index(str(path))
+    for picture in read_frames(str(path), index.pts.tolist()):
+        assert isinstance(picture.frame, YuvFrame)
+        assert picture.frame.standard == ("bt709" if "709" in name else "bt601")
+        assert picture.frame.full_range == ("full" in name)
+        assert picture.bgr is not None
+        assert picture.bgr.shape == picture.frame.shape == (130, 194, 3)
+        found, plain = YuvPyramid(picture.frame), Pyramid(picture.bgr)
+        channels: tuple[Channel, ...] = ("red", "blue")
+        for channel in channels:
+            for level in (1, 2):
+                off = np.abs(
+                    found.window(channel, level).values.astype(float)
+                    - plain.window(channel, level).values
+                )
+                # Where colours clip, a mean of pixels clips otherwise.
+                assert np.median(off) <= 2
+                assert (off <= 4).mean() > 0.9
 
 
 @pytest.mark.parametrize("name", KINDS)

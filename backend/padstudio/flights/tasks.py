@@ -23,6 +23,7 @@ from padstudio.flights.storage import read_bytes
 from padstudio.flights.video_frames import VideoPicture, read_frames
 from padstudio.vision.pipeline import Detector
 from padstudio.vision.types import Detection, Image
+from padstudio.vision.yuv import YuvFrame
 
 Record = dict[str, Any]
 logger = logging.getLogger(__name__)
@@ -181,13 +182,13 @@ def _track(
     """Each picture with its detection, or with the record that says why there is none."""
     waiting: deque[VideoPicture] = deque()
 
-    def frames() -> Iterable[Image]:
+    def frames() -> Iterable[Image | YuvFrame]:
         for picture in pictures:
-            bgr = picture.bgr
+            frame = picture.frame
             waiting.append(VideoPicture(picture.pts, None, picture.is_damaged))
-            if bgr is not None:
+            if frame is not None:
                 readable.append(picture.pts)
-                yield bgr
+                yield frame
 
     readable: deque[int] = deque()
     while True:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.errors import LimitError
 from padstudio.flights.video import MAX_PIXELS, decode, main_stream, open_container
+from padstudio.vision.types import Image
+from padstudio.vision.yuv import Standard, YuvFrame
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 
 # More than most cameras leave between keyframes.
 _STEP_BACK_S = 10.0
+# FFmpeg's numbers: BT.709; unspecified, BT.470BG and SMPTE 170M are read as BT.601.
+_STANDARDS: dict[int, Standard] = {1: "bt709", 2: "bt601", 5: "bt601", 6: "bt601"}
+_PLANAR = ("yuv420p", "yuvj420p")
+_FULL_RANGE = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +35,7 @@ class VideoPicture:
     ----------
     pts : int
         Its presentation timestamp.
-    bgr : (H, W, 3) uint8 or None
+    frame : (H, W, 3) uint8, BGR, or YuvFrame, or None
         None where the decoder gave nothing for it.
     is_damaged : bool
         The decoder filled in for missing or wrong data, here or in a frame since the last keyframe,
@@ -38,8 +43,13 @@ class VideoPicture:
     """
 
     pts: int
-    bgr: NDArray[np.uint8] | None
+    frame: Image | YuvFrame | None
     is_damaged: bool = False
+
+    @property
+    def bgr(self) -> Image | None:
+        """The picture as (H, W, 3) uint8."""
+        return self.frame.bgr if isinstance(self.frame, YuvFrame) else self.frame
 
 
 def read_frames(
@@ -88,8 +98,7 @@ def read_frames(
             yield VideoPicture(wanted[place], None)
             place, is_damaged = place + 1, is_damaged or not frame.key_frame
         if place < len(wanted) and wanted[place] == at:
-            bgr = _to_bgr(frame, rotation_deg, max_pixels)
-            yield VideoPicture(at, bgr, is_damaged)
+            yield VideoPicture(at, _to_frame(frame, rotation_deg, max_pixels), is_damaged)
             place += 1
         if place == len(wanted):
             return
@@ -130,14 +139,28 @@ def _seek(container: InputContainer, stream: VideoStream, pts: int, back_s: floa
         container.seek(pts - back, stream=stream, backward=True)
 
 
-def _to_bgr(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> NDArray[np.uint8]:
+def _to_frame(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> Image | YuvFrame:
     # A stream may change its size on the way.
     if frame.width * frame.height > max_pixels:
         raise LimitError(
             f"a frame is {frame.width} x {frame.height}, more than {max_pixels / 1e6:g} megapixels",
             code="too_many_pixels",
         )
-    bgr = np.asarray(frame.to_ndarray(format="bgr24"), np.uint8)
+
+    def to_bgr() -> Image:
+        return np.asarray(frame.to_ndarray(format="bgr24"), np.uint8)
+
     if rotation_deg:
-        bgr = np.ascontiguousarray(np.rot90(bgr, -rotation_deg // 90))
-    return bgr
+        return np.ascontiguousarray(np.rot90(to_bgr(), -rotation_deg // 90))
+    standard = _STANDARDS.get(int(frame.colorspace))
+    if frame.format.name not in _PLANAR or standard is None:
+        return to_bgr()
+    y, u, v = (_pixels(plane) for plane in frame.planes)
+    full_range = frame.format.name == "yuvj420p" or int(frame.color_range) == _FULL_RANGE
+    return YuvFrame(y, u, v, standard, full_range, to_bgr)
+
+
+def _pixels(plane: Any) -> Image:
+    """A plane as it lies in the decoder's memory, which it keeps from being used again."""
+    rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
+    return rows[:, : plane.width]

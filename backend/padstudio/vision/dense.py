@@ -41,6 +41,7 @@ from padstudio.vision.types import (
     Uncertainty,
 )
 from padstudio.vision.view import to_pad
+from padstudio.vision.yuv import YuvFrame
 
 # Below this ratio of the two planar poses' errors the first one is beyond doubt.
 _CLEAR = 0.15
@@ -158,12 +159,14 @@ class Dense:
         )
         return self._judge(refiner, measurement, recorder)
 
-    def follow(self, bgr: Image, expected: Expectation, recorder: Recorder) -> Detection:
+    def follow(
+        self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder
+    ) -> Detection:
         """Find the pad near an expected pose; fails where the picture does not bear it out.
 
         A near miss must not pass for a lock, so every layer that can be read has to agree.
         """
-        pyramid, camera = self._prepare(bgr, recorder)
+        pyramid, camera = self._prepare(frame, recorder)
         refiner = Refiner(pyramid, camera, self.pad, self.params, 0, expected.motion)
         measurement = recorder.run("pose", None, _best_of, refiner, [expected.pose], np.inf)
         detection, reads = self._judge(refiner, measurement, recorder)
@@ -179,9 +182,9 @@ class Dense:
                 return Detection(None, failure)
         return detection
 
-    def _prepare(self, bgr: Image, recorder: Recorder) -> tuple[Pyramid, Camera]:
-        camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
-        return prepare(bgr, self.pad, self.params.prepare, recorder), camera
+    def _prepare(self, frame: Image | YuvFrame, recorder: Recorder) -> tuple[Pyramid, Camera]:
+        camera = self.camera.for_frame(frame.shape[1], frame.shape[0])
+        return prepare(frame, self.pad, self.params.prepare, recorder), camera
 
     def _first_poses(self, sighting: Sighting) -> list[Pose]:
         """The pose of the sighted lattice; both planar answers where they are near each other."""

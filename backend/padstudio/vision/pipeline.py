@@ -16,6 +16,7 @@ from padstudio.vision.params import DetectorParams
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.tracker import Tracker
 from padstudio.vision.types import Detection, Image, Method
+from padstudio.vision.yuv import YuvFrame
 
 
 class Detector:
@@ -45,12 +46,12 @@ class Detector:
         self._dense = Dense(pad, camera, self.params)
         self._paper = Paper(pad, camera, self.params) if method == "paper" else None
 
-    def detect(self, bgr: Image, *, trace: bool = False) -> Detection:
+    def detect(self, frame: Image | YuvFrame, *, trace: bool = False) -> Detection:
         """Find the pad in one still.
 
         Parameters
         ----------
-        bgr : (H, W, 3) uint8
+        frame : (H, W, 3) uint8, BGR, or YuvFrame
         trace : bool
             Keep every stage's output in the result.
 
@@ -66,39 +67,46 @@ class Detector:
         CameraMismatchError
             If the frame's aspect is not the camera's.
         """
-        _check(bgr)
+        _check(frame)
         recorder = Recorder(keep=trace)
         stills = self._paper or self._dense
-        return _finish(stills.detect(bgr, recorder), bgr, recorder)
+        bgr = frame.bgr if isinstance(frame, YuvFrame) else frame
+        return _finish(stills.detect(bgr, recorder), frame, recorder)
 
-    def track(self, frames: Iterable[Image], *, trace: bool = False) -> Iterator[Detection]:
+    def track(
+        self, frames: Iterable[Image | YuvFrame], *, trace: bool = False
+    ) -> Iterator[Detection]:
         """Find the pad in a video's frames; the last pose helps the next.
 
         The cells are compared with the pad in every frame, so a lock that slips is noticed, and
         the frame is then looked at as a still. The paper's method looks at every frame so.
         """
         tracker = Tracker()
-        for bgr in frames:
+        for frame in frames:
             expected = tracker.expect() if self._paper is None else None
             detection = None
             if expected is not None:
-                _check(bgr)
+                _check(frame)
                 recorder = Recorder(keep=trace)
-                followed = self._dense.follow(bgr, expected, recorder)
-                detection = _finish(followed, bgr, recorder)
+                followed = self._dense.follow(frame, expected, recorder)
+                detection = _finish(followed, frame, recorder)
             if detection is None or not detection.ok:
-                detection = self.detect(bgr, trace=trace)
+                detection = self.detect(frame, trace=trace)
             tracker.learn(detection)
             yield detection
 
 
-def _check(bgr: Image) -> None:
-    if bgr.ndim != 3 or bgr.shape[2] != 3 or bgr.dtype != np.uint8 or min(bgr.shape[:2]) < 16:
+def _check(frame: Image | YuvFrame) -> None:
+    shape = frame.shape
+    dtype = frame.y.dtype if isinstance(frame, YuvFrame) else frame.dtype
+    if len(shape) != 3 or shape[2] != 3 or dtype != np.uint8 or min(shape[:2]) < 16:
         raise ImageError(
-            f"a frame must be (H, W, 3) uint8 of at least 16 x 16 pixels, not {bgr.shape} "
-            f"{bgr.dtype}"
+            f"a frame must be (H, W, 3) uint8 of at least 16 x 16 pixels, not {shape} {dtype}"
         )
 
 
-def _finish(detection: Detection, bgr: Image, recorder: Recorder) -> Detection:
-    return replace(detection, elapsed_ms=recorder.elapsed_ms(), trace=recorder.trace(bgr))
+def _finish(detection: Detection, frame: Image | YuvFrame, recorder: Recorder) -> Detection:
+    trace = None
+    if recorder.keep:
+        trace = recorder.trace(frame.bgr if isinstance(frame, YuvFrame) else frame)
+    return replace(detection, elapsed_ms=recorder.elapsed_ms(), trace=trace)

@@ -83,11 +83,12 @@ class Pyramid:
 
     Parameters
     ----------
-    bgr : (H, W, 3) uint8
+    bgr : (H, W, 3) uint8 or None
+        None where a subclass makes it.
     """
 
-    def __init__(self, bgr: Image) -> None:
-        self._levels = [bgr]
+    def __init__(self, bgr: Image | None) -> None:
+        self._levels: list[Image] = [] if bgr is None else [bgr]
 
     @property
     def width(self) -> int:
@@ -107,11 +108,7 @@ class Pyramid:
     def level(self, number: int) -> Image:
         """The frame halved ``number`` times by area averaging, (h, w, 3) uint8."""
         while len(self._levels) <= number:
-            last = self._levels[-1]
-            # An odd last row or column is left out, unless it is all there is.
-            even = last[: max(last.shape[0] & ~1, 1), : max(last.shape[1] & ~1, 1)]
-            size = (max(even.shape[1] // 2, 1), max(even.shape[0] // 2, 1))
-            self._levels.append(np.asarray(cv2.resize(even, size, interpolation=cv2.INTER_AREA)))
+            self._levels.append(halved(self._levels[-1]))
         return self._levels[number]
 
     def plane(self, channel: Channel, level: int, box: Box | None = None) -> Plane:
@@ -132,3 +129,11 @@ class Pyramid:
         x0, y0 = box.x0 >> level, box.y0 >> level
         x1, y1 = -(-box.x1 >> level), -(-box.y1 >> level)
         return self.level(level)[y0:y1, x0:x1], x0, y0
+
+
+def halved(image: Image) -> Image:
+    """A picture of half the size by area averaging, (h // 2, w // 2[, C]) uint8."""
+    # An odd last row or column is left out, unless it is all there is.
+    even = image[: max(image.shape[0] & ~1, 1), : max(image.shape[1] & ~1, 1)]
+    size = (max(even.shape[1] // 2, 1), max(even.shape[0] // 2, 1))
+    return np.asarray(cv2.resize(even, size, interpolation=cv2.INTER_AREA))

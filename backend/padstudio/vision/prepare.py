@@ -15,6 +15,7 @@ from padstudio.vision.params import PrepareParams
 from padstudio.vision.planes import BGR_INDEX, Box, Plane, Pyramid
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.types import Image
+from padstudio.vision.yuv import YuvFrame, YuvPyramid
 
 # Percentiles rather than extremes: one hot pixel must not decide.
 _DARK, _BRIGHT = 0.5, 99.5
@@ -107,12 +108,12 @@ def find_stretch(pyramid: Pyramid) -> Stretch:
     )
 
 
-def find_denoise(image: Image, threshold: float) -> Denoise:
+def find_denoise(image: Image | YuvFrame, threshold: float) -> Denoise:
     """Measure salt and pepper in five samples of a frame.
 
     Parameters
     ----------
-    image : (H, W, 3) uint8
+    image : (H, W, 3) uint8 or YuvFrame
     threshold : float
         Share of impulses from which the median is worth its time.
     """
@@ -121,7 +122,10 @@ def find_denoise(image: Image, threshold: float) -> Denoise:
     found = total = 0
     for fy, fx in ((0.5, 0.5), (0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)):
         y, x = int(fy * (h - size)), int(fx * (w - size))
-        part = np.ascontiguousarray(image[y : y + size, x : x + size, 1])
+        if isinstance(image, YuvFrame):
+            part = image.grey(y, x, size)
+        else:
+            part = np.ascontiguousarray(image[y : y + size, x : x + size, 1])
         middle = cv2.medianBlur(part, 3)
         extreme = (part <= _BLACK) | (part >= _WHITE)
         found += int((extreme & (cv2.absdiff(part, middle) > _IMPULSE_STEP)).sum())
@@ -140,19 +144,25 @@ def take_apart(image: Image, matrix: Matrix) -> Unmixed:
     return Unmixed(unmix(image, matrix))
 
 
-def prepare(image: Image, pad: Pad, params: PrepareParams, recorder: Recorder) -> Pyramid:
+def prepare(
+    image: Image | YuvFrame, pad: Pad, params: PrepareParams, recorder: Recorder
+) -> Pyramid:
     """A frame without salt and pepper, its colours taken apart where the pad knows their mixture.
 
     Parameters
     ----------
-    image : (H, W, 3) uint8
-        BGR.
+    image : (H, W, 3) uint8, BGR, or YuvFrame
     pad : Pad
     params : PrepareParams
     recorder : Recorder
         Keeps the stages `denoise` and `unmix`.
     """
     denoise = recorder.run("denoise", None, find_denoise, image, params.impulse_share)
+    mixed = pad.crosstalk is not None and params.unmix
+    if isinstance(image, YuvFrame):
+        if not (denoise.applied or mixed or recorder.keep):
+            return YuvPyramid(image)
+        image = image.bgr
     frame = denoised(image, denoise)
     if pad.crosstalk is not None and params.unmix:
         frame = recorder.run("unmix", None, take_apart, frame, pad.crosstalk).image

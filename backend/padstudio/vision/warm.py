@@ -12,7 +12,9 @@ from padstudio.geometry.camera import Camera
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.pipeline import Detector
+from padstudio.vision.planes import halved
 from padstudio.vision.types import Image
+from padstudio.vision.yuv import YuvFrame
 
 _SIDE_PX = 640
 _CELLS = 25
@@ -28,8 +30,16 @@ def warm_up() -> bool:
     found = []
     for cell_px in _CELL_PX:
         frame = _frame(pad, cell_px)
-        found += [detection.ok for detection in detector.track([frame] * 3)]
+        for frames in ([frame] * 3, [_in_planes(frame)] * 2):
+            found += [detection.ok for detection in detector.track(frames)]
     return all(found)
+
+
+def _in_planes(bgr: Image) -> YuvFrame:
+    """The frame as a video's decoder leaves it."""
+    y, red, blue = cv2.split(cv2.cvtColor(bgr, cv2.COLOR_BGR2YCrCb))
+    u, v = (np.asarray(halved(np.asarray(colour)), np.uint8) for colour in (blue, red))
+    return YuvFrame(np.asarray(y, np.uint8), u, v, "bt601", True, lambda: bgr)
 
 
 def _pad() -> Pad:
