@@ -220,6 +220,18 @@ export function heightFacts(coverage) {
     .map((span) => [capital(layerInWords(span.layer)), spanInWords(span)]);
 }
 
+/**
+ * How well the chart's ends hold.
+ * @param {string} method
+ * @returns {string}
+ */
+export const surenessInWords = (method) =>
+  method === "paper"
+    ? "An area ends where half of the pictures are read in daylight: right to about 10 % of height straight down. " +
+      "Leaning, this method fades: beyond 45° some pictures are missed at any height, and of the whole sign's " +
+      "a part is read far beyond the end."
+    : "An area ends where half of the pictures are read in daylight, right to 10 % of height.";
+
 /** @param {Span} span @returns {string} */
 export const spanInWords = ({ low_mm: low, high_mm: high }) =>
   low === null || high === null ? "reads nowhere" : `${length(low)} … ${length(high)}`;

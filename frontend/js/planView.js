@@ -31,7 +31,7 @@ import { mountFilmStrip } from "./components/filmStrip.js";
 import { mountStatus } from "./components/status.js";
 import { mountSuccessMap } from "./components/successMap.js";
 import { mountTextForm } from "./components/textForm.js";
-import { deadBandInWords, heightFacts, ofMethod } from "./coverageLogic.js";
+import { deadBandInWords, heightFacts, ofMethod, surenessInWords } from "./coverageLogic.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "./diagnoseLogic.js";
 import { flyInWords, isFlown, isFlying, parseFly } from "./flyLogic.js";
 import { diagnoseLink, isAsked, parseFrames } from "./frameLogic.js";
@@ -100,6 +100,7 @@ export function makePlanView(events) {
     byId("chart-empty").hidden = Boolean(coverage);
     byId("dead-band").textContent = deadBandInWords(coverage);
     chartFacts.update(coverage ? heightFacts(coverage) : []);
+    byId("chart-note").textContent = coverage ? surenessInWords(coverage.method) : "";
     const { plan, errors } = parseMap(state.mapTexts, coverage);
     mapForm.update({ texts: state.mapTexts, errors });
     byId("map-part").hidden = !coverage;

@@ -41,6 +41,7 @@ def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
     plan.get_by_role("radio", name="Paper").check(force=True)
     expect(chart.locator(".dead-band").first).to_be_visible()
     expect(plan.locator("#dead-band")).to_contain_text("no layer reads")
+    expect(plan.locator("#chart-note")).to_contain_text("fades")
     expect(plan).to_have_url(re.compile("method=paper"))
     plan.reload()
     expect(chart.locator(".dead-band").first).to_be_visible()

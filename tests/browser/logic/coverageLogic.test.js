@@ -1,6 +1,6 @@
 import {
   areaPath, bandRuns, deadBandInWords, heightFacts, heightRange, heightSteps, layersOf, logTicks, moved, ofMethod, placeInWords,
-  placeOf, widestOf, xOf, yOf,
+  placeOf, surenessInWords, widestOf, xOf, yOf,
 } from "/static/js/coverageLogic.js";
 import { contains, equal, near } from "./check.js";
 
@@ -70,6 +70,10 @@ export const tests = {
   },
   "heights from straight above, in words": () => {
     equal(heightFacts(DENSE), [["Red layer", "60.0 mm … 400 mm"], ["Blue layer", "800 mm … 4.00 m"]]);
+  },
+  "how well the ends hold": () => {
+    contains(surenessInWords("dense"), "10 % of height");
+    contains(surenessInWords("paper"), "fades");
   },
   "what reads at a place": () => {
     equal(placeInWords(DENSE, { tiltDeg: 3, heightMm: 200 }), "200 mm, tilt 3°: red reads");
