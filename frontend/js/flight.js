@@ -244,11 +244,11 @@ function takeFlight(flight) {
   }
   // The files were looked into since.
   if (flight.frames_total !== null && !flight.sources && !before?.sources?.length) void refresh();
-  if (state.frame === null) seek(whole()?.first ?? 0);
-  else if (!state.shown?.answer) {
-    loader.want(state.frame);
-    loader.again();
-  }
+  if (state.shown?.answer) return;
+  const isFirst = state.frame === null;
+  // The address may name a frame that the flight does not have.
+  seek(state.frame ?? whole()?.first ?? 0);
+  if (!isFirst) loader.again();
 }
 
 function follow() {

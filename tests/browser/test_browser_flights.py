@@ -102,6 +102,14 @@ def test_every_stage_of_a_frame_and_a_reload(
     expect(page.locator("#stages li[data-stage=decode]")).to_be_visible()
 
 
+def test_an_address_beyond_the_flight_shows_its_last_frame(
+    open_page: Callable[..., Page], flight_path: str
+) -> None:
+    page = open_page(f"{flight_path}?frame=5000")
+    _at_frame(page, FRAMES - 1)
+    expect(page.locator("#report [data-ref=source]")).to_contain_text(f"Frame {FRAMES - 1}")
+
+
 def test_the_figures_show_what_was_flown(open_page: Callable[..., Page], flight_path: str) -> None:
     page = open_page(flight_path)
     assert page.evaluate("() => typeof Plotly") == "undefined"

@@ -77,12 +77,17 @@ export function mountFrameTable(root, { onFilter, onTurn, onSeek }) {
     return filter;
   }
 
-  /** @param {Filter} filter */
-  function write(filter) {
-    const { reason } = filter;
+  /** @param {string} reason */
+  function writeReason(reason) {
     const isKnown = [...find("reason").options].some((option) => option.value === reason);
     // From the address, before the flight's own reasons are there.
     if (!isKnown) find("reason").append(new Option(reasonInWords(reason), reason));
+    find("reason").value = reason;
+  }
+
+  /** @param {Filter} filter */
+  function write(filter) {
+    writeReason(filter.reason);
     for (const name of TEXTS) find(name).value = filter[name];
     for (const [name, scale] of NUMBERS) {
       const value = filter[name];
@@ -105,8 +110,10 @@ export function mountFrameTable(root, { onFilter, onTurn, onSeek }) {
     const key = JSON.stringify(list);
     if (key === reasons) return;
     reasons = key;
+    const chosen = root.open ? find("reason").value : (filter?.reason ?? "");
     find("reason").replaceChildren(any, ...list.map(({ reason, text }) => new Option(text, reason)));
-    if (filter) write(filter);
+    // What is being typed elsewhere stays.
+    writeReason(chosen);
   }
 
   return {
