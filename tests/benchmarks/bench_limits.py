@@ -86,7 +86,7 @@ def main() -> None:
     parser.add_argument("--method", nargs="+", default=["dense"])
     parser.add_argument("--scene", nargs="+", help="names that begin so")
     parser.add_argument("--tilts", nargs="+", type=float, default=[0.0, 30.0, 55.0])
-    parser.add_argument("--count", type=int, default=8, help="frames a height")
+    parser.add_argument("--count", type=int, default=6, help="frames a height")
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
     for method in arguments.method:
