@@ -2,32 +2,16 @@
 
 import csv
 import json
-import re
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import av
 import httpx
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from document_blocks import ROOT, block, run_python, run_shell, serving
+
 FOOTAGE = ROOT / "tests" / "footage"
-PROGRAM = Path(sys.executable).with_name("padstudio")
 FRAMES = 6
-
-
-def blocks(document):
-    """Fenced blocks of a document: language and text."""
-    text = (ROOT / document).read_text(encoding="utf-8")
-    return re.findall(r"```(\w+)\n(.*?)```", text, re.DOTALL)
-
-
-def block(document, language, word):
-    """The one block of a language that has a word."""
-    (text,) = (text for name, text in blocks(document) if name == language and word in text)
-    return text
 
 
 @pytest.fixture(scope="module")
@@ -51,41 +35,8 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def address(folder):
     """The address of a server."""
-    with subprocess.Popen(
-        [PROGRAM, "serve", "--port", "0", "--data", folder / "data"],
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as server:
-        try:
-            yield server.stderr.readline().split()[2]
-        finally:
-            server.terminate()
-            server.stderr.read()
-
-
-def run_shell(text, folder, address=""):
-    done = subprocess.run(
-        ["sh", "-eu", "-c", text.replace("http://127.0.0.1:8000", address)],
-        cwd=folder,
-        env={"PATH": f"{PROGRAM.parent}:/usr/local/bin:/usr/bin:/bin:/opt/homebrew/bin"},
-        check=False,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def run_python(text, folder, address):
-    done = subprocess.run(
-        [sys.executable, "-c", text.replace("http://127.0.0.1:8000", address)],
-        cwd=folder,
-        check=False,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    with serving(folder / "data") as address:
+        yield address
 
 
 def heights_are_true(heights_mm):
