@@ -14,6 +14,18 @@ _EXAMPLES = (
     "[bold]padstudio generate --window 4 --cells 60 --ratio 1 -o small.json[/] · "
     "[bold]padstudio generate --cells 80x120 --cell-mm 8 --quiet-mm 20 -o wide.json[/]"
 )
+_Unique = Annotated[
+    Literal["rotation", "plain"],
+    typer.Option(help="rotation: windows differ in all four turns; plain: as they stand."),
+]
+_Distance = Annotated[int, typer.Option(help="Cells in which any two windows differ, at least.")]
+_VisibleLines = Annotated[
+    bool,
+    typer.Option(
+        "--visible-lines", help="Every window has a level change across each of its inner lines."
+    ),
+]
+_Method = Annotated[Literal["auto", "growth"], typer.Option(help="auto, or growth: the paper's.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -31,23 +43,10 @@ def generate(
     ] = 5,
     cell_mm: Annotated[float, typer.Option(help="Side of a red cell, mm.")] = 10.0,
     quiet_mm: Annotated[float, typer.Option(help="White margin round the pad, mm.")] = 0.0,
-    unique: Annotated[
-        Literal["rotation", "plain"],
-        typer.Option(help="rotation: windows differ in all four turns; plain: as they stand."),
-    ] = "rotation",
-    distance: Annotated[
-        int, typer.Option(help="Cells in which any two windows differ, at least.")
-    ] = 3,
-    visible_lines: Annotated[
-        bool,
-        typer.Option(
-            "--visible-lines",
-            help="Every window has a level change across each of its inner lines.",
-        ),
-    ] = False,
-    method: Annotated[
-        Literal["auto", "growth"], typer.Option(help="auto, or growth: the paper's.")
-    ] = "auto",
+    unique: _Unique = "rotation",
+    distance: _Distance = 3,
+    visible_lines: _VisibleLines = False,
+    method: _Method = "auto",
     seed: Annotated[int, typer.Option(help="The same seed gives the same pad, everywhere.")] = 1,
     name: Annotated[str, typer.Option(help="The pad's name.")] = "pad",
     budget_s: Annotated[float, typer.Option(help="Seconds that the search may take.")] = 60.0,
