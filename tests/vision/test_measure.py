@@ -1,5 +1,7 @@
 """From a first pose to the best: layers, rungs, cells read with a pose."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dense_frames import (
@@ -20,7 +22,7 @@ from padstudio.vision.measure import Refiner
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.regions import find_regions
-from padstudio.vision.search import Search, Sighting, sightings
+from padstudio.vision.search import Search, Sighting, place, sightings
 from padstudio.vision.types import Reason, StageFailure
 from padstudio.vision.view import to_lattice, to_pad, visible_range
 
@@ -127,6 +129,25 @@ def test_the_search_sees_the_pad_at_its_true_place():
     seen = MovingPose(pose).project(CAMERA, points)
     np.testing.assert_allclose(CAMERA.denormalize(first.lattice.to_rays(at)), seen, atol=4.0)
     assert len(frame.lattices) >= 1
+
+
+def test_few_cells_that_agree_are_joined_by_those_around_them():
+    """A region of one colour may hold a part of the cells in view; its lattice reaches farther."""
+    image = frame_of(look_at_pad(140.0, heading_deg=12, target_mm=(40, 25)), camera=CAMERA)
+    frame, found = search_in(image)
+    sighting = found[0]
+    assert isinstance(sighting, Sighting)
+    layer = sighting.placement.layer
+    whole = sighting.lattice
+    middle = [sum(ends) // 2 for ends in (whole.columns, whole.rows)]
+    narrow = replace(whole, columns=(middle[0] - 2, middle[0] + 1), rows=(middle[1] - 2, middle[1]))
+    again = place(frame, narrow, sighting.region)
+    assert isinstance(again, Sighting)
+    assert again.placement.layer is layer
+    assert again.placement.evidence.read > 5 * 3 * 2
+    np.testing.assert_allclose(
+        again.placement.pad_from_lattice, sighting.placement.pad_from_lattice, atol=1e-9
+    )
 
 
 def test_a_search_in_vain_ends_with_what_came_nearest():

@@ -7,7 +7,7 @@ that count grows, so that the map is always good enough to number the next lines
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -57,6 +57,15 @@ class Lattice:
         """Rays on the plane z = 1, (N, 2), of lattice coordinates (N, 2): column, row."""
         h = np.column_stack([coordinates, np.ones(len(coordinates))]) @ self.ray_from_lattice.T
         return np.asarray(h[:, :2] / h[:, 2:], float)
+
+    def widened(self) -> Lattice:
+        """The lattice carried on by its own width and height on every side."""
+        wide, high = self.columns[1] - self.columns[0], self.rows[1] - self.rows[0]
+        return replace(
+            self,
+            columns=(self.columns[0] - wide, self.columns[1] + wide),
+            rows=(self.rows[0] - high, self.rows[1] + high),
+        )
 
     def from_rays(self, rays: Array) -> Array:
         """Lattice coordinates (N, 2) of rays (N, 3)."""

@@ -124,6 +124,8 @@ _MOST_UNSURE = 6
 _LEAST_COHERENCE = 0.12
 # Cells that agree so well, but are too few to be sure, are a matter of number.
 _ALIKE = 0.8
+# More cells than these do not agree by the number that is missing.
+_FEW_CELLS = 100
 _ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
 
 
@@ -186,7 +188,21 @@ def _lattice(
 
 
 def place(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
-    """Read a lattice's cells in every layer's channel, and look for their place on the pad."""
+    """Read a lattice's cells in every layer's channel, and look for their place on the pad.
+
+    Where they agree but are too few, the lattice is carried on over the picture: close to the
+    ground a region of one colour may hold a few cells of many.
+    """
+    found = _compared(frame, lattice, region)
+    if isinstance(found, Sighting) or found.failure.reason is not Reason.TOO_FEW_CELLS:
+        return found
+    if not 0 < found.cells <= _FEW_CELLS:
+        return found
+    wider = _compared(frame, lattice.widened(), region)
+    return wider if isinstance(wider, Sighting) else found
+
+
+def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
     best: Placement | None = None
     frame.lattices.append(lattice)
     attempts = len(frame.lattices) * len(frame.indices)
