@@ -227,7 +227,7 @@ export function heightFacts(coverage) {
  */
 export const surenessInWords = (method) =>
   method === "paper"
-    ? "An area ends where half of the pictures are read in daylight: right to about 10 % of height straight down. " +
+    ? "An area ends where half of the pictures are read in daylight: right to 13 % of height up to 30° of tilt. " +
       "Leaning, this method fades: beyond 45° some pictures are missed at any height, and of the whole sign's " +
       "a part is read far beyond the end."
     : "An area ends where half of the pictures are read in daylight, right to 10 % of height.";
