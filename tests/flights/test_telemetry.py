@@ -95,6 +95,9 @@ def test_heights_between_samples() -> None:
         telemetry.Telemetry((Sample(1.0, height_m=10.0), Sample(2.0), Sample(3.0, height_m=14.0)))
     )
     assert telemetry.height_at(columns, [0.5, 1.0, 2.5, 3.0, 3.1]) == [None, 10, 13, 14, None]
+    at_sea = (Sample(1.0, altitude_m=410.0), Sample(3.0, altitude_m=414.0))
+    columns = telemetry.to_dict(telemetry.Telemetry(at_sea))
+    assert telemetry.height_at(columns, [2.0, 4.0]) == [412, None]
     empty = telemetry.to_dict(telemetry.Telemetry((Sample(1.0),)))
     assert telemetry.height_at(empty, [1.0]) == [None]
 

@@ -147,15 +147,21 @@ def to_dict(telemetry: Telemetry) -> dict[str, Any]:
 def height_at(columns: dict[str, Any], times_s: Sequence[float]) -> list[float | None]:
     """Heights at other times, m, linear between samples; None outside of them.
 
+    Where the camera wrote no height over the point of take-off, it is its altitude over the sea,
+    which rises and falls as the height does.
+
     Parameters
     ----------
     columns : dict
         As `to_dict`.
     times_s : sequence of float
     """
+    heights_m = columns["height_m"]
+    if all(height is None for height in heights_m):
+        heights_m = columns["altitude_m"]
     known = [
         (time, height)
-        for time, height in zip(columns["time_s"], columns["height_m"], strict=True)
+        for time, height in zip(columns["time_s"], heights_m, strict=True)
         if height is not None
     ]
     if not known:
