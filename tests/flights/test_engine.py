@@ -137,8 +137,12 @@ def test_workers_join_a_scheduler(worker: Callable[..., Any], tmp_path: Path) ->
         options = EngineOptions(
             scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
         )
-        with worker(tls, address) as process, contextlib.closing(Engine(options)) as engine:
-            outcome = Desk(engine).run(engine_jobs.Say(8))
-            assert outcome.kind == "value"
-            assert outcome.value[0] == 8
-            assert outcome.value[1] not in (os.getpid(), process.pid)
+        with contextlib.closing(Engine(options)) as engine:
+            assert engine.capacity == 1
+            assert "no worker is connected" in str(engine.tend())
+            with worker(tls, address) as process:
+                outcome = Desk(engine).run(engine_jobs.Say(8))
+                assert outcome.kind == "value"
+                assert outcome.value[0] == 8
+                assert outcome.value[1] not in (os.getpid(), process.pid)
+                assert engine.tend() is None

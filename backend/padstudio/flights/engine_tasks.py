@@ -126,7 +126,8 @@ def outcome_of(future: Future[Any]) -> Outcome:
             error={
                 "code": "worker_crashed",
                 "message": "the process that worked on it died, most likely for lack of memory or "
-                "of damaged data; repair the file, or give workers more memory",
+                "of damaged data; repair the file, or give workers more memory (on a cluster, see "
+                "that each of its machines has Pad Studio installed)",
                 "detail": {},
             },
         )
