@@ -83,8 +83,8 @@ def fill(sessions: Sessions, frames: int) -> FlightRow:
     for first in range(0, frames, BLOCK):
         pairs = list(rows(flight.key, first, min(BLOCK, frames - first)))
         with sessions.begin() as session:
-            frames, details = ([pair[place] for pair in pairs] for place in (0, 1))
-            insert_rows(session, flight.request, frames, details)
+            short, long = ([pair[place] for pair in pairs] for place in (0, 1))
+            insert_rows(session, flight.request, short, long)
     return flight
 
 
