@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from dense_frames import edges_of, frame_of, sample_pad, small_camera
+from dense_frames import edges_of, frame_of, random_pad, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.simulate.camera import corners_px
 from padstudio.vision.axes import find_axes
 from padstudio.vision.directions import find_lines
-from padstudio.vision.lattice import find_lattice
+from padstudio.vision.lattice import _coarser, find_lattice
 
 
 def lattice_in(image, channel, camera, *, level=0, steep=False):
@@ -66,3 +66,29 @@ def test_noise_has_no_order():
     image = rng.integers(0, 255, (480, 640, 3), dtype=np.uint8)
     lattice = lattice_in(image, "red", small_camera())
     assert lattice is None or lattice.order < 0.6
+
+
+@pytest.mark.parametrize("cells_across", [4.5, 5.0, 5.5, 6.0])
+@pytest.mark.parametrize("heading_deg", [12.0, 71.0])
+def test_few_large_cells_are_not_taken_for_many_small_ones(cells_across, heading_deg):
+    """Parts of the spacing explain every edge, too."""
+    pad = random_pad(3, cells=(25,), cell_mm=(50.0,), channels=("blue",))
+    camera = small_camera()
+    pose = look_at_pad(cells_across * 50 * 440 / 480, heading_deg=heading_deg, target_mm=(90, 70))
+    image = frame_of(pose, pad=pad, camera=camera)
+    lattice = lattice_in(image, "blue", camera, level=2)
+    assert lattice is not None
+    corners = lattice.to_rays(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+    cell_px = np.linalg.norm(camera.denormalize(corners[1:]) - camera.denormalize(corners[:1]))
+    assert cell_px / np.sqrt(2) == pytest.approx(480 / cells_across, rel=0.1)
+
+
+def test_lines_that_a_code_leaves_empty_are_no_spacing():
+    everywhere = np.repeat(np.arange(12), 5).astype(float)
+    assert _coarser(everywhere, everywhere) is None
+    assert _coarser(everywhere, 2 * everywhere) is None
+    for times in (2, 3, 5):
+        wider = _coarser(times * everywhere, times * everywhere + 1)
+        np.testing.assert_allclose(wider @ [2 * times, 3 * times + 1, 1], [2, 3, 1])
+    few = np.repeat([0.0, 2.0], 20)
+    assert _coarser(few, few) is None

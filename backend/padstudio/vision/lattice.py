@@ -24,6 +24,8 @@ _GATE = 0.25
 _SETTLING = 4
 # Fewer edges of a family than this do not tell its lines.
 _LEAST_EDGES = 6
+# Share of edges on every k-th line, and lines left empty between, that tell of a wider spacing.
+_ON_THESE_LINES, _LEAST_EMPTY = 0.93, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +128,30 @@ def _coordinates(fit: Array, u: Array, v: Array) -> tuple[Array, Array]:
     )
 
 
+def _coarser(column: Array, row: Array) -> Array | None:
+    """The map (3, 3) to a lattice of wider spacing, where edges stand on every k-th line alone.
+
+    A part of the true spacing explains all edges as well, and few cells may show it more strongly.
+    """
+    if min(len(column), len(row)) < _LEAST_EDGES:
+        return None
+    for times in (2, 3, 5):
+        empty, first = 0.0, []
+        for number in (np.round(column), np.round(row)):
+            left = number % times
+            first.append(float(np.bincount(left.astype(np.intp)).argmax()))
+            low, high = np.percentile(number, (2, 98))
+            # A code leaves one line of a few cells empty by chance, not several on both axes.
+            if (left == first[-1]).mean() >= _ON_THESE_LINES:
+                empty += (high - low) * (1 - 1 / times)
+            else:
+                empty = -np.inf
+        if empty >= _LEAST_EMPTY:
+            shift = np.array([[1.0, 0, -first[0]], [0, 1.0, -first[1]], [0, 0, times]])
+            return shift / times
+    return None
+
+
 def _fit(
     fit: Array,
     u: Array,
@@ -160,6 +186,9 @@ def _lattice(fit: Array, families: LineFamilies) -> Lattice | None:
     column, row = _coordinates(fit, u, v)
     good_u = families.on_u & (np.abs(column - np.round(column)) < _NEAR)
     good_v = families.on_v & (np.abs(row - np.round(row)) < _NEAR)
+    coarser = _coarser(column[good_u], row[good_v])
+    if coarser is not None:
+        return _lattice(coarser @ fit, families)
     on = int(families.on_u.sum() + families.on_v.sum())
     good = int(good_u.sum() + good_v.sum())
     support = good_u | good_v
