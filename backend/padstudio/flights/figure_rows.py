@@ -195,8 +195,9 @@ def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
             ("z_min_mm", z_min, min),
             ("z_max_mm", z_max, max),
         ):
-            known = [each for each in (entry[name], value) if each is not None]
-            entry[name] = better(known) if known else None
+            if value is not None:
+                held = entry[name]
+                entry[name] = value if held is None else better(held, value)
     return list(merged.values())
 
 
