@@ -32,3 +32,17 @@ def test_cells_are_as_wide_as_their_shorter_side():
     assert kernels_cells.width_px(xy.swapaxes(0, 1).copy(), seen.T.copy()) == pytest.approx(7.0)
     assert kernels_cells.width_px(xy[:1], seen[:1]) == pytest.approx(12.0)
     assert kernels_cells.width_px(xy, np.zeros_like(seen)) == 1.0
+
+
+def test_cells_far_smaller_than_others_are_left_out():
+    """A plane toward the horizon: rows of cells that shrink upward."""
+    height = np.cumsum(np.geomspace(0.5, 12, 30))
+    x, y = np.meshgrid(np.arange(25) * 8.0, height)
+    xy = np.stack([x, y], axis=-1)
+    seen = np.ones(x.shape, bool)
+    kernels_cells.leave_out_small(xy, seen, 2.0, 60)
+    steps = np.append(np.diff(height), np.diff(height)[-1])
+    np.testing.assert_array_equal(seen, np.repeat((steps >= 2.0)[:, None], 25, axis=1))
+    few = np.ones(x.shape, bool)
+    kernels_cells.leave_out_small(xy, few, 2.0, 10_000)
+    assert few.all()

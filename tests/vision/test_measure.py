@@ -150,6 +150,20 @@ def test_few_cells_that_agree_are_joined_by_those_around_them():
     )
 
 
+def test_cells_toward_the_horizon_do_not_hide_the_near_ones():
+    """Most cells in view are too small to be read; those below the camera are not."""
+    pad = random_pad(3, cells=(250,), cell_mm=(10.0,), channels=("red",))
+    pose = look_at_pad(330.0, tilt_deg=55, heading_deg=20, target_mm=(-700, 300))
+    image = frame_of(pose, pad=pad, camera=CAMERA)
+    start = MovingPose(pose).moved(np.array([1.0, -1.0, 0.5, 0.001, -0.001, 0.002]))
+    work = refiner(Pyramid(image), pad=pad)
+    found = work.polish(work.settle(start, np.inf))
+    assert found is not None
+    assert errors(found.fit.pose.pose, pose)[0] < 0.5
+    assert found.read.evidence.wrong < 0.05 * found.read.evidence.read
+    assert found.read.cells.seen.mean() < 0.5
+
+
 def test_a_search_in_vain_ends_with_what_came_nearest():
     image = frame_of(look_at_pad(900.0), pad=random_pad(5), camera=CAMERA)
     _, found = search_in(image)

@@ -19,6 +19,8 @@ ToPixels = Callable[[Array], Array]
 
 # Cells are read at the level where they are at least this wide, pixels.
 _READING_WIDTH = 3.0
+# Under tilt cells narrower than this are left to the horizon, where enough others are wider.
+_LEAST_WIDTH, _ENOUGH = 2.0, 60
 # Where a cell is read whose centre is out of view: toward a side, then toward a corner, but not so
 # far that its neighbour shows at the scale that cells are read at.
 _OFF_CENTRE = 0.2 * np.array(
@@ -40,7 +42,7 @@ class CellGrid:
     values : (R, C) float32
         Grey value at each cell's centre, averaged over a third of a cell or so.
     seen : (R, C) bool
-        True where a good part of the cell lies in the frame.
+        True where a good part of the cell lies in the frame, and is not far smaller than others.
     relative : (R, C) float32
         Values less their block's mean over their block's deviation; 0 where not seen.
     xy : (R, C, 2) float64
@@ -105,6 +107,7 @@ def read_cells(
     if not seen.any():
         return None
     _reach_in(pyramid, to_pixels, grid, xy, seen)
+    kernels_cells.leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
     width = kernels_cells.width_px(xy, seen)
     level = max(0, math.floor(math.log2(max(width / _READING_WIDTH, 1.0))))
     plane = pyramid.window(channel, level)

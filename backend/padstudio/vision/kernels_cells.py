@@ -56,3 +56,24 @@ def width_px(xy: Array, seen: NDArray[np.bool_]) -> float:
         if found:
             least = min(least, float(np.median(steps[:found])))
     return least if least < np.inf else 1.0
+
+
+@fast_jit
+def leave_out_small(xy: Array, seen: NDArray[np.bool_], least_px: float, enough: int) -> None:
+    """Count cells narrower than so many pixels as not seen, where enough others are wider."""
+    rows, cols = seen.shape
+    wide = np.zeros(seen.shape, np.bool_)
+    count = 0
+    for r in range(rows - 1):
+        for c in range(cols - 1):
+            if seen[r, c]:
+                across = math.hypot(xy[r, c + 1, 0] - xy[r, c, 0], xy[r, c + 1, 1] - xy[r, c, 1])
+                down = math.hypot(xy[r + 1, c, 0] - xy[r, c, 0], xy[r + 1, c, 1] - xy[r, c, 1])
+                # Beyond the horizon there is no neighbour to measure by.
+                wide[r, c] = not min(across, down) < least_px
+                count += wide[r, c]
+    if count < enough:
+        return
+    for r in range(rows):
+        for c in range(cols):
+            seen[r, c] = seen[r, c] and wide[min(r, max(rows - 2, 0)), min(c, max(cols - 2, 0))]

@@ -37,8 +37,6 @@ _NEAR_BY = 25
 _DECIDING = 800
 # Borders this near to their prediction, in cells, need not be measured again to settle.
 _SETTLED = 0.1
-# So many borders tell how wide cells are.
-_TELLING_WIDTH = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,10 +278,14 @@ class Refiner:
         borders = visible_borders(self.pad, layer, self.camera, pose, most)
         if not len(borders.step):
             return borders, 0.0
-        few = borders.thinned(_TELLING_WIDTH)
-        step = pose.project(self.camera, few.points_mm + 0.05 * few.across_mm)
-        step -= pose.project(self.camera, few.points_mm)
-        return borders, 20 * float(np.nanmedian(np.linalg.norm(step, axis=1)))
+        step = pose.project(self.camera, borders.points_mm + 0.05 * borders.across_mm)
+        step -= pose.project(self.camera, borders.points_mm)
+        width_px = np.nan_to_num(20 * np.hypot(step[:, 0], step[:, 1]))
+        # Under tilt the many cells far away must not pass for those that can be measured.
+        large = np.flatnonzero(width_px >= refine.least_cell_px)
+        if len(large) >= _LEAST_BORDERS:
+            return borders.take(large), float(np.median(width_px[large]))
+        return borders, float(np.median(width_px))
 
 
 def most_residual_px(cell_px: float) -> float:
