@@ -274,7 +274,9 @@ class Refiner:
     def _visible_borders(self, layer: Layer, pose: MovingPose) -> tuple[Borders, float]:
         """Borders in view, thinned evenly, and the median width of a cell, frame pixels."""
         refine = self.params.refine
-        most = refine.most_borders if self.attempts else refine.followed_borders
+        most = refine.most_borders
+        if not self.attempts:
+            most = min(most, refine.followed_borders)
         borders = visible_borders(self.pad, layer, self.camera, pose, most)
         if not len(borders.step):
             return borders, 0.0

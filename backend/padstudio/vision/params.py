@@ -62,7 +62,7 @@ class RefineParams:
     most_borders : int
         More borders of a layer than this are thinned evenly, in a still.
     followed_borders : int
-        The same where the last frame's pose is followed.
+        The same where the last frame's pose is followed; `most_borders` bounds it, too.
     few_borders : int
         How many of them bring the pose near enough for the rest.
     least_cell_px : float
@@ -83,8 +83,8 @@ class RefineParams:
 
     def __post_init__(self) -> None:
         _within("most_borders", self.most_borders, 50, 1_000_000)
-        _within("followed_borders", self.followed_borders, 50, self.most_borders)
-        _within("few_borders", self.few_borders, 50, self.followed_borders)
+        _within("followed_borders", self.followed_borders, 50, 1_000_000)
+        _within("few_borders", self.few_borders, 50, self.most_borders)
         _within("least_cell_px", self.least_cell_px, 2.0, 100.0)
         _within("align_below_px", self.align_below_px, 0.0, 100.0)
 
