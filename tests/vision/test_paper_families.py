@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from paper_frames import grid_lines, lattice_view, small_camera
 
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.paper_families import LineGrid, find_line_grid
+from padstudio.vision.paper_families import LineGrid, _places, find_line_grid
 from padstudio.vision.types import Reason, StageFailure
 
 
@@ -96,3 +96,15 @@ def test_too_few_lines_of_a_family_are_a_failure(rows):
     assert isinstance(found, StageFailure)
     assert found.reason is Reason.TOO_FEW_LINES
     assert found.stage == "lines"
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_family_that_points_at_the_pictures_middle_has_places(axis):
+    """Lines through (0, 0, 1), as of a camera that looks along the ground."""
+    points = (np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]))
+    horizon = np.cross(*points)
+    numbers = np.arange(-4, 5)
+    other = np.cross(points[axis], horizon)
+    lines = other + 0.1 * numbers[:, None] * horizon
+    place = _places(3.0 * lines, points[axis], horizon)
+    np.testing.assert_allclose(place, 0.1 * numbers, atol=1e-9)

@@ -23,6 +23,8 @@ _NEAR = 0.12
 # The step that explains this share of what the best one explains, and is the widest, is the cell.
 _AS_GOOD = 0.88
 _LEAST_LINES = 3
+# Vanishing points, of length 1, that span less than this are one.
+_LEAST_APART = 1e-6
 # Of the lines from a family's first to its last, this share must have been found.
 _LEAST_FOUND = 0.4
 
@@ -89,6 +91,9 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
     points = two_vanishing_points(ends, found.support)
     if points is None:
         return _too_few(found, "they do not fall into two families of directions")
+    horizon = np.cross(points[0], points[1])
+    if not np.linalg.norm(horizon) > _LEAST_APART:
+        return _too_few(found, "their two families of directions are one")
     lines = homogeneous(ends)
     numbers = np.full((2, len(ends)), np.nan)
     for axis in (0, 1):
@@ -96,7 +101,7 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
         ordered = pointing & _ordered(lines, ends, pointing, found.support)
         which = np.flatnonzero(ordered)
         if len(which) >= _LEAST_LINES:
-            place = _places(lines[which], points[axis], np.cross(points[0], points[1]))
+            place = _places(lines[which], points[axis], horizon)
             numbers[axis, which] = _number(place, found.support[which])
     fit = _fit_lattice(ends, numbers, found.support)
     if fit is None:
@@ -119,7 +124,8 @@ def _ordered(lines: Array, ends: Array, family: Flags, support: Array) -> Flags:
 
 def _places(lines: Array, point: Array, horizon: Array) -> Array:
     """Where lines of a family stand: even steps for a regular grid, whatever the perspective."""
-    foot = np.cross(point, [0.0, 0.0, 1.0])
+    # Of the lines through the point the one farthest from the horizon.
+    foot = np.cross(point, horizon)
     basis = np.stack([foot / np.linalg.norm(foot), horizon / np.linalg.norm(horizon)], axis=1)
     weights = np.linalg.lstsq(basis, lines.T, rcond=None)[0]
     return np.asarray(weights[1] / np.where(weights[0] == 0, 1e-12, weights[0]), float)
