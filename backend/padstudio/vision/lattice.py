@@ -8,6 +8,7 @@ that count grows, so that the map is always good enough to number the next lines
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -135,21 +136,25 @@ def _coarser(column: Array, row: Array) -> Array | None:
     """
     if min(len(column), len(row)) < _LEAST_EDGES:
         return None
+    numbers = np.round(column).astype(np.intp), np.round(row).astype(np.intp)
     for times in (2, 3, 5):
-        empty, first = 0.0, []
-        for number in (np.round(column), np.round(row)):
-            left = number % times
-            first.append(float(np.bincount(left.astype(np.intp)).argmax()))
-            low, high = np.percentile(number, (2, 98))
-            # A code leaves one line of a few cells empty by chance, not several on both axes.
-            if (left == first[-1]).mean() >= _ON_THESE_LINES:
-                empty += (high - low) * (1 - 1 / times)
-            else:
-                empty = -np.inf
-        if empty >= _LEAST_EMPTY:
+        counts = [np.bincount(number % times, minlength=times) for number in numbers]
+        if min(count.max() / count.sum() for count in counts) < _ON_THESE_LINES:
+            continue
+        first = [float(count.argmax()) for count in counts]
+        spans = [np.diff(_ends(number, 0.02))[0] for number in numbers]
+        # A code leaves one line of a few cells empty by chance, not several on both axes.
+        if sum(spans) * (1 - 1 / times) >= _LEAST_EMPTY:
             shift = np.array([[1.0, 0, -first[0]], [0, 1.0, -first[1]], [0, 0, times]])
             return shift / times
     return None
+
+
+def _ends(values: NDArray[Any], share: float) -> NDArray[Any]:
+    """The least and the largest value, (2,), but for a share of outliers on either side."""
+    last = len(values) - 1
+    ends = [round(share * last), round((1 - share) * last)]
+    return np.asarray(np.partition(values, ends)[ends])
 
 
 def _fit(
@@ -194,10 +199,7 @@ def _lattice(fit: Array, families: LineFamilies) -> Lattice | None:
     support = good_u | good_v
     if good < 20:
         return None
-    low, high = (
-        np.percentile(column[support], (0.5, 99.5)),
-        np.percentile(row[support], (0.5, 99.5)),
-    )
+    low, high = _ends(column[support], 0.005), _ends(row[support], 0.005)
     shift = np.array([[1.0, 0, -families.seed[0]], [0, 1.0, -families.seed[1]], [0, 0, 1.0]])
     scale = np.diag([1 / families.pitch, 1 / families.pitch, 1.0])
     lattice_from_ray = fit @ shift @ scale @ families.axes
