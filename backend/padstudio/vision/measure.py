@@ -37,6 +37,8 @@ _NEAR_BY = 25
 _DECIDING = 800
 # Borders this near to their prediction, in cells, need not be measured again to settle.
 _SETTLED = 0.1
+# Residuals this small, in cells, need no motion to be brought nearer.
+_QUIET = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +149,7 @@ class Refiner:
             few, rms = borders.thinned(self.params.refine.few_borders), np.inf
             for _ in range(2 if layer.cell_mm <= good_mm else 0):
                 measured = self._measure(layer, few, pose, cell_px, sharper=0)
-                fit = self._fit(pose, measured, iterations=3)
+                fit = self._fit(pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
                 if fit is None:
                     break
                 away_px = pose.apart_px(fit.pose, self.camera.focal_px)
@@ -221,14 +223,16 @@ class Refiner:
             return still
         return better_of(still, match.fit(still.pose, motion=True))
 
-    def _fit(self, start: MovingPose, measured: Measured, *, iterations: int) -> Fit | None:
-        """A still fit, or a moving one where its motion is known or the residuals ask for it."""
+    def _fit(
+        self, start: MovingPose, measured: Measured, *, iterations: int, quiet_px: float = 0.0
+    ) -> Fit | None:
+        """A still fit, or a moving one where its motion is known or residuals above a bound ask for it."""
         if self.motion is not None and self.params.refine.motion:
             return fit_pose(
                 start, measured, self.camera, motion=True, iterations=iterations, known=self.motion
             )
         fit = fit_pose(start, measured, self.camera, motion=False, iterations=iterations)
-        if fit is None or not self.params.refine.motion:
+        if fit is None or not self.params.refine.motion or fit.rms_px < quiet_px:
             return fit
         moving = fit_pose(fit.pose, measured, self.camera, motion=True, iterations=iterations)
         return better_of(fit, moving)
