@@ -11,8 +11,8 @@ import numpy as np
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel, Pad
-from padstudio.vision.choose import Choice, choose
-from padstudio.vision.covariance import with_bend, with_picture_shift
+from padstudio.vision.answer import of_measurement, of_whole_sign, unfit
+from padstudio.vision.choose import choose
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
 from padstudio.vision.explain import explain
@@ -22,14 +22,13 @@ from padstudio.vision.far import (
     outline_in,
     readable_poses,
 )
-from padstudio.vision.measure import LayerRead, Measurement, Refiner, Rung, most_residual_px
+from padstudio.vision.measure import LayerRead, Measurement, Refiner, Rung
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
-from padstudio.vision.planar import ambiguity, planar_pose
+from padstudio.vision.planar import planar_pose
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import find_stretch, prepare
 from padstudio.vision.recorder import Recorder
-from padstudio.vision.refine import Fit
 from padstudio.vision.regions import Region, find_regions
 from padstudio.vision.search import Miss, Search, Sighting, sightings
 from padstudio.vision.tracker import Expectation
@@ -38,7 +37,6 @@ from padstudio.vision.types import (
     Image,
     Reason,
     StageFailure,
-    Uncertainty,
 )
 from padstudio.vision.view import to_pad
 from padstudio.vision.yuv import YuvFrame
@@ -129,7 +127,7 @@ class Dense:
             if isinstance(found, WholeSign):
                 if recorder.keep:
                     recorder.append(explain(frame, region, [found.read], None))
-                return _whole(found, frame.camera.focal_px)
+                return of_whole_sign(found, frame.camera.focal_px)
         return None
 
     def _miss(
@@ -204,7 +202,7 @@ class Dense:
         self, refiner: Refiner, measurement: Measurement | None, recorder: Recorder
     ) -> tuple[Detection, list[LayerRead]]:
         """Read all cells with the refined pose; give it only where they agree with the pad."""
-        failure = _unfit(measurement)
+        failure = unfit(measurement)
         if failure is not None or measurement is None:
             recorder.note("pose", None, failure)
             return Detection(None, failure), []
@@ -220,7 +218,7 @@ class Dense:
         )
         if isinstance(choice, StageFailure):
             return Detection(None, choice), reads
-        return _detection(measurement, choice), reads
+        return of_measurement(measurement, choice), reads
 
 
 def _best_of(refiner: Refiner, starts: list[MovingPose], good_mm: float) -> Measurement | None:
@@ -246,59 +244,3 @@ def _likely(refiner: Refiner, settled: list[list[Rung]]) -> list[list[Rung]]:
         if doubtful and not any(rungs[-1].pose.near(other[-1].pose) for other in kept):
             kept.append(rungs)
     return kept
-
-
-def _unfit(measurement: Measurement | None) -> StageFailure | None:
-    if measurement is None:
-        detail = "no layer's borders stand where the first pose puts them"
-        return StageFailure("pose", Reason.POSE_REJECTED, detail)
-    residual, cell = measurement.fit.rms_px, measurement.cell_px
-    if residual > most_residual_px(cell):
-        detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
-        return StageFailure("pose", Reason.POSE_REJECTED, detail)
-    return None
-
-
-def _whole(found: WholeSign, focal_px: float) -> Detection:
-    fit, evidence = found.fit, found.read.evidence
-    return Detection(
-        pose=fit.pose.pose,
-        layer="outline",
-        cells_read=evidence.read,
-        cells_wrong=evidence.wrong,
-        log10_false_alarm=evidence.log10_false_alarm,
-        reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit, focal_px),
-    )
-
-
-def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
-    covariance = with_picture_shift(fit.covariance, focal_px)
-    covariance = with_bend(covariance, fit.pose.pose)
-    sigma = np.sqrt(np.diag(covariance))
-    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
-
-
-def _detection(measurement: Measurement, choice: Choice) -> Detection:
-    fit, evidence = measurement.fit, choice.read.evidence
-    return Detection(
-        pose=fit.pose.pose,
-        layer=choice.read.layer.channel,
-        cells_read=evidence.read,
-        cells_wrong=evidence.wrong,
-        log10_false_alarm=evidence.log10_false_alarm,
-        reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit, measurement.camera.focal_px),
-        ambiguity=_ambiguity(measurement),
-        shift_mm=fit.pose.shift_mm,
-        turn_rad=fit.pose.turn,
-    )
-
-
-def _ambiguity(measurement: Measurement) -> float:
-    points = measurement.measured.borders.points_mm
-    low, high = points.min(axis=0), points.max(axis=0)
-    corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
-    sigma_px = measurement.fit.rms_px / np.sqrt(max(len(points), 1))
-    sigma = float(sigma_px) / measurement.camera.focal_px
-    return ambiguity(measurement.fit.pose.pose, corners, sigma)

@@ -226,7 +226,7 @@ class Refiner:
     def _fit(
         self, start: MovingPose, measured: Measured, *, iterations: int, quiet_px: float = 0.0
     ) -> Fit | None:
-        """A still fit, or a moving one where its motion is known or residuals above a bound ask for it."""
+        """A still fit, or a moving one where its motion is known or the residuals ask for it."""
         if self.motion is not None and self.params.refine.motion:
             return fit_pose(
                 start, measured, self.camera, motion=True, iterations=iterations, known=self.motion
