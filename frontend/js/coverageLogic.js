@@ -230,8 +230,8 @@ export const surenessInWords = (method) =>
     ? "An area ends where half of the pictures are read in daylight: right to 13 % of height up to 30° of tilt. " +
       "Leaning, this method fades: beyond 45° some pictures are missed at any height, and of the whole sign's " +
       "a part is read far beyond the end."
-    : "An area ends where half of the pictures are read in daylight: right to 10 % of height, and to 18 % where the " +
-      "camera leans over a pad too large to be seen as a whole.";
+    : "An area ends where half of the pictures are read in daylight: right to 10 % of height. Where " +
+      "the camera leans by more than 45° over a pad too large to be seen as a whole, it reads higher than shown.";
 
 /** @param {Span} span @returns {string} */
 export const spanInWords = ({ low_mm: low, high_mm: high }) =>

@@ -57,7 +57,7 @@ def test_heights_are_told_for_the_chosen_camera(open_page: Callable[..., Page]) 
     facts = page.locator("#print-panel [data-ref=facts]")
     # So many cells of 15 mm across 1530 px at f = 1886 px, as docs/simulation.md has it.
     view = View(width_px=2720, height_px=1530, focal_px=1886.0)
-    low = cells_needed(5, 2, (40, 40), view, METHOD_LIMITS["dense"]) * 15 / (1530 / 1886.0)
+    low = cells_needed(5, 2, (30, 20), view, METHOD_LIMITS["dense"]) * 15 / (1530 / 1886.0)
     expect(facts).to_contain_text(re.compile(rf"Red layer\s*{low:.1f}"))
     expect(facts).to_contain_text("Blue layer")
     expect(page).to_have_url(re.compile(f"camera={CAMERA}"))

@@ -138,13 +138,21 @@ def layer_span(
     return Span(
         layer=layer.channel,
         tilt_deg=tilt_deg,
-        low_mm=need * layer.cell_mm / view.extent_per_height(tilt_deg),
+        low_mm=need * layer.cell_mm / _side_per_height(view, limits, tilt_deg),
         high_mm=min(
             view.cell_px(layer.cell_mm, 1.0, tilt_deg) / limits.cell_px,
             window_known_to_mm(pad.window * layer.cell_mm, view, limits, tilt_deg),
             sign_known_to_mm(_side_mm(pad), _cells_mm(pad), view, limits, tilt_deg),
         ),
     )
+
+
+def _side_per_height(view: View, limits: ReadLimits, tilt_deg: float) -> float:
+    """Length of ground along the picture's shorter side that counts, over the camera's height."""
+    if limits.cells_across is not None or limits.spare_bits is None:
+        return view.extent_per_height(tilt_deg)
+    # Where all cells count, it is their number: the ground in view grows as their pictures shrink.
+    return view.side_px / view.cell_px(1.0, 1.0, tilt_deg)
 
 
 def sign_span(pad: Pad, view: View, limits: ReadLimits, tilt_deg: float = 0.0) -> Span:

@@ -77,8 +77,8 @@ def _message(pad: Pad, view: View, limits: ReadLimits, low_mm: float, above: Spa
         )
     layer = pad.layer(above.layer)
     assert layer is not None
-    seen = view.cells_across(layer.cell_mm, low_mm, above.tilt_deg)
     need = cells_needed(pad.window, pad.levels, (layer.rows, layer.cols), view, limits)
+    seen = need * low_mm / above.low_mm
     return (
         f"{head}the picture holds {seen:.1f} {above.layer} cells across, not {need:.1f}; use a "
         "smaller ratio of the layers, or a method that reads the finer layer higher up"
