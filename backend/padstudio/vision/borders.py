@@ -14,6 +14,11 @@ from padstudio.vision.planes import Plane
 from padstudio.vision.types import Array
 from padstudio.vision.view import visible_range
 
+#: Fewer borders leave a pose undetermined.
+LEAST_BORDERS = 12
+# So many borders tell how wide cells are.
+_TELLING = 200
+
 
 @dataclass(frozen=True, eq=False)
 class Borders:
@@ -93,6 +98,33 @@ def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, mo
     along = np.where(upright[:, None], [0.0, -sy / 2, 0.0], [sx / 2, 0.0, 0.0])
     points_mm = np.column_stack([points, np.zeros(len(points))])
     return Borders(points_mm, across, along, change / (pad.levels - 1.0))
+
+
+def measurable_borders(
+    pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int, least_px: float
+) -> tuple[Borders, float]:
+    """Of `visible_borders` those of cells wide enough, and the median width of their cells.
+
+    Under tilt the many cells far away must not pass for those that can be measured. Where hardly
+    any are wide enough, all are given. Widths are frame pixels.
+    """
+    borders = visible_borders(pad, layer, camera, pose, most)
+    if not len(borders.step):
+        return borders, 0.0
+    width_px = _widths_px(borders.thinned(_TELLING), camera, pose)
+    if width_px.min() < least_px:
+        every = _widths_px(borders, camera, pose)
+        wide = np.flatnonzero(every >= least_px)
+        if len(wide) >= LEAST_BORDERS:
+            borders, width_px = borders.take(wide), every[wide]
+    return borders, float(np.median(width_px))
+
+
+def _widths_px(borders: Borders, camera: Camera, pose: MovingPose) -> Array:
+    """Widths of the cells at borders, (N,); 0 beyond the horizon."""
+    step = pose.project(camera, borders.points_mm + 0.05 * borders.across_mm)
+    step -= pose.project(camera, borders.points_mm)
+    return np.asarray(np.nan_to_num(20 * np.hypot(step[:, 0], step[:, 1])))
 
 
 def measure(

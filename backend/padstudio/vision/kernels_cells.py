@@ -67,10 +67,11 @@ def leave_out_small(xy: Array, seen: NDArray[np.bool_], least_px: float, enough:
     for r in range(rows - 1):
         for c in range(cols - 1):
             if seen[r, c]:
-                across = math.hypot(xy[r, c + 1, 0] - xy[r, c, 0], xy[r, c + 1, 1] - xy[r, c, 1])
-                down = math.hypot(xy[r + 1, c, 0] - xy[r, c, 0], xy[r + 1, c, 1] - xy[r, c, 1])
+                x, y = xy[r, c, 0], xy[r, c, 1]
+                across = (xy[r, c + 1, 0] - x) ** 2 + (xy[r, c + 1, 1] - y) ** 2
+                down = (xy[r + 1, c, 0] - x) ** 2 + (xy[r + 1, c, 1] - y) ** 2
                 # Beyond the horizon there is no neighbour to measure by.
-                wide[r, c] = not min(across, down) < least_px
+                wide[r, c] = not (across < least_px**2 or down < least_px**2)
                 count += wide[r, c]
     if count < enough:
         return

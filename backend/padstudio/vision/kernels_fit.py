@@ -16,6 +16,8 @@ from padstudio.vision.types import Array
 # Weighted points above this share of the best one's trust tell the scatter.
 _TELLING = 0.3
 _CUT_OFF = 2.5
+# A step that is shorter than so many standard deviations, squared, is the last.
+_SETTLED = 0.01
 
 
 @fast_jit
@@ -213,6 +215,8 @@ def fit(
         if size == 12:
             shift, turn = shift + step[6:9], turn + step[9:]
         rows = linearize(points, along, rays, moment, rotation, centre, shift, turn) * focal_px
+        if (step * right).sum() < _SETTLED:
+            break
     return True, rotation, centre, shift, turn, rows, sigma
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.align import FOLLOWED_PIXELS, MOST_PIXELS, Match
-from padstudio.vision.borders import Borders, Measured, measure, visible_borders
+from padstudio.vision.borders import LEAST_BORDERS, Borders, Measured, measurable_borders, measure
 from padstudio.vision.cells import CellGrid, read_cells
 from padstudio.vision.evidence import Evidence, judge
 from padstudio.vision.motion import KnownMotion, MovingPose
@@ -29,7 +29,6 @@ from padstudio.vision.view import to_pad, visible_range
 # Profiles reach this far, and are taken where a cell is about this wide, pixels of the plane.
 _REACH_PX = 6.0
 _CELL_PX = 9.0
-_LEAST_BORDERS = 12
 _MOST_RESIDUAL = 0.12
 # So many places lie within reach of an expected pose.
 _NEAR_BY = 25
@@ -130,6 +129,13 @@ class Refiner:
     attempts: int
     motion: KnownMotion | None = None
 
+    @property
+    def _most_borders(self) -> int:
+        refine = self.params.refine
+        if self.attempts:
+            return refine.most_borders
+        return min(refine.most_borders, refine.followed_borders)
+
     def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
         """Readable layers, the coarse ones first, each with the pose that it led to.
 
@@ -140,13 +146,15 @@ class Refiner:
             Layers with larger cells have nothing to add to ``start``; their borders only count
             in the end.
         """
-        pose = start
+        pose, refine = start, self.params.refine
         rungs: list[Rung] = []
         for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
-            borders, cell_px = self._visible_borders(layer, pose)
-            if len(borders.step) < _LEAST_BORDERS or cell_px < self.params.refine.least_cell_px:
+            borders, cell_px = measurable_borders(
+                self.pad, layer, self.camera, pose, self._most_borders, refine.least_cell_px
+            )
+            if len(borders.step) < LEAST_BORDERS or cell_px < refine.least_cell_px:
                 continue
-            few, rms = borders.thinned(self.params.refine.few_borders), np.inf
+            few, rms = borders.thinned(refine.few_borders), np.inf
             for _ in range(2 if layer.cell_mm <= good_mm else 0):
                 measured = self._measure(layer, few, pose, cell_px, sharper=0)
                 fit = self._fit(pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
@@ -274,24 +282,6 @@ class Refiner:
         level = max(0, level - sharper)
         plane = self.pyramid.window(layer.channel, level)
         return measure(borders, plane, self.camera, pose, _REACH_PX)
-
-    def _visible_borders(self, layer: Layer, pose: MovingPose) -> tuple[Borders, float]:
-        """Borders in view, thinned evenly, and the median width of a cell, frame pixels."""
-        refine = self.params.refine
-        most = refine.most_borders
-        if not self.attempts:
-            most = min(most, refine.followed_borders)
-        borders = visible_borders(self.pad, layer, self.camera, pose, most)
-        if not len(borders.step):
-            return borders, 0.0
-        step = pose.project(self.camera, borders.points_mm + 0.05 * borders.across_mm)
-        step -= pose.project(self.camera, borders.points_mm)
-        width_px = np.nan_to_num(20 * np.hypot(step[:, 0], step[:, 1]))
-        # Under tilt the many cells far away must not pass for those that can be measured.
-        large = np.flatnonzero(width_px >= refine.least_cell_px)
-        if len(large) >= _LEAST_BORDERS:
-            return borders.take(large), float(np.median(width_px[large]))
-        return borders, float(np.median(width_px))
 
 
 def most_residual_px(cell_px: float) -> float:

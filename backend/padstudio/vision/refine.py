@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
-from padstudio.vision.borders import Measured
+from padstudio.vision.borders import LEAST_BORDERS, Measured
 from padstudio.vision.covariance import TILES, newton_share, pose_covariance, tiles_of
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.types import Array
@@ -39,7 +39,7 @@ _MOTION_GAIN = 40.0
 _CHANCE_GAIN = 6.0
 # What lens, sensor and ink leave over near the ground is no motion, however well it is measured.
 _LEAST_RMS_PX = 0.06
-_LEAST_BORDERS, _LEAST_INLIERS = 12, 10
+_LEAST_INLIERS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ def fit_pose(
     """
     from padstudio.vision import kernels_fit
 
-    if len(measured.xy) < _LEAST_BORDERS:
+    if len(measured.xy) < LEAST_BORDERS:
         return None
     rays = camera.normalize(measured.xy)
     moment = start.moment(camera, measured.xy[:, 1])
