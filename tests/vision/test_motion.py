@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.simulate.motion import Motion, poses_at
-from padstudio.vision.motion import MovingPose, cross
+from padstudio.vision.motion import MovingPose, cross, normalized
 
 LENS = (-0.28, 0.09, 0.001, -0.0008)
 POINTS = np.column_stack([np.random.default_rng(4).uniform(-200, 200, (60, 2)), np.zeros(60)])
@@ -107,3 +107,13 @@ def test_a_pose_is_the_inverse_of_what_it_projects():
     found = cv2.solvePnP(POINTS, pixels, camera.matrix, camera.distortion)
     back = Pose.from_T_camera_pad(cv2.Rodrigues(found[1])[0], found[2])
     np.testing.assert_allclose(back.position_mm, pose.position_mm, atol=1e-2)
+
+
+@pytest.mark.parametrize("which", sorted(CAMERAS))
+def test_pixels_without_the_lens_are_the_cameras(which):
+    camera = CAMERAS[which]
+    rng = np.random.default_rng(7)
+    pixels = rng.uniform(0, 1, (500, 2)) * [camera.width - 1, camera.height - 1]
+    found = normalized(camera, pixels)
+    np.testing.assert_allclose(found, camera.normalize(pixels), atol=1e-7)
+    np.testing.assert_allclose(camera.denormalize(found), pixels, atol=1e-7)

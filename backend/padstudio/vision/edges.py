@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
-from padstudio.vision.motion import cross
+from padstudio.vision.motion import cross, normalized
 from padstudio.vision.planes import Plane
 from padstudio.vision.types import Array
 
@@ -110,7 +110,7 @@ def _peaks(
 
 
 def _tangent_planes(camera: Camera, xy: Array, tangent: Array) -> tuple[Array, Array]:
-    ends = camera.normalize(np.concatenate([xy - tangent, xy + tangent]))
+    ends = normalized(camera, np.concatenate([xy - tangent, xy + tangent]))
     a = np.column_stack([ends[: len(xy)], np.ones(len(xy))])
     b = np.column_stack([ends[len(xy) :], np.ones(len(xy))])
     lines = cross(a, b)

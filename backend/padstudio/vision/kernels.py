@@ -15,6 +15,8 @@ from padstudio.vision.types import Array
 
 # Moments beyond the frame, of points out of view, count up to here.
 _LATEST = 0.6
+# Newton's steps for a lens: how many, the step of differences, the square that is near enough.
+_MOST_STEPS, _TINY, _EXACT = 15, 1e-6, 1e-18
 
 
 @fast_jit
@@ -37,6 +39,29 @@ def distorted(u: float, v: float, lens: Array) -> tuple[float, float]:
     radial = above / (1 + r2 * (lens[6] + r2 * (lens[7] + r2 * lens[8])))
     du = u * radial + 2 * p1 * u * v + p2 * (r2 + 2 * u * u)
     return du, v * radial + p1 * (r2 + 2 * v * v) + 2 * p2 * u * v
+
+
+@fast_jit
+def undistorted(pixels: Array, matrix: Array, lens: Array) -> Array:
+    """Where pixels (N, 2) lie on the plane z = 1 without the lens, (N, 2), by Newton's steps."""
+    out = np.empty((len(pixels), 2))
+    for i in range(len(pixels)):
+        v = (pixels[i, 1] - matrix[1, 2]) / matrix[1, 1]
+        u = (pixels[i, 0] - matrix[0, 2] - matrix[0, 1] * v) / matrix[0, 0]
+        x, y = u, v
+        for _ in range(_MOST_STEPS):
+            du, dv = distorted(x, y, lens)
+            ax, ay = distorted(x + _TINY, y, lens)
+            bx, by = distorted(x, y + _TINY, lens)
+            xx, xy, yx, yy = ax - du, bx - du, ay - dv, by - dv
+            scale = _TINY / (xx * yy - xy * yx)
+            off_x, off_y = u - du, v - dv
+            x += scale * (yy * off_x - xy * off_y)
+            y += scale * (xx * off_y - yx * off_x)
+            if off_x * off_x + off_y * off_y < _EXACT:
+                break
+        out[i, 0], out[i, 1] = x, y
+    return out
 
 
 @fast_jit

@@ -14,7 +14,7 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.covariance import tiles_of
-from padstudio.vision.motion import MovingPose
+from padstudio.vision.motion import MovingPose, normalized
 from padstudio.vision.planes import BGR_INDEX, Box, Pyramid
 from padstudio.vision.types import Array
 
@@ -101,7 +101,7 @@ def pixels_of(
     stride = max(1, int(np.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / most)))
     x, y = np.meshgrid(np.arange(box.x0, box.x1, stride), np.arange(box.y0, box.y1, stride))
     xy = np.stack([x.ravel(), y.ravel()], axis=1)
-    rays = np.column_stack([camera.normalize(xy), np.ones(len(xy))])
+    rays = np.column_stack([normalized(camera, xy.astype(float)), np.ones(len(xy))])
     points = on_pad(pose.pose, rays)
     width, height = pad.size_mm
     rim = _RIM_PX * float(pose.pose.position_mm[2]) / camera.focal_px

@@ -21,7 +21,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.vision.borders import LEAST_BORDERS, Measured
 from padstudio.vision.covariance import TILES, newton_share, pose_covariance, tiles_of
-from padstudio.vision.motion import KnownMotion, MovingPose
+from padstudio.vision.motion import KnownMotion, MovingPose, normalized
 from padstudio.vision.types import Array
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
@@ -106,7 +106,7 @@ def fit_pose(
 
     if len(measured.xy) < LEAST_BORDERS:
         return None
-    rays = camera.normalize(measured.xy)
+    rays = normalized(camera, measured.xy)
     moment = start.moment(camera, measured.xy[:, 1])
     size = 12 if motion else 6
     prior = MotionPrior.of(start, known, size)
