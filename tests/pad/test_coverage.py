@@ -50,7 +50,7 @@ def test_a_layer_reads_within_its_span_and_not_beyond(tilt, low, cell, need):
     assert (other.high_mm <= span.high_mm) == (low >= tilt) or math.isclose(low, tilt, abs_tol=1e-6)
 
 
-@given(tilt=st.floats(0, 70), cell=st.floats(0.5, 200), spare=st.floats(1, 40))
+@given(tilt=st.floats(0, 60), cell=st.floats(0.5, 200), spare=st.floats(1, 40))
 def test_where_all_cells_count_their_number_is_what_the_layers_places_need(tilt, cell, spare):
     """The picture's area over a cell's, on its axis."""
     layer = Layer("red", cell, np.zeros((60, 60), np.uint8))
@@ -58,6 +58,11 @@ def test_where_all_cells_count_their_number_is_what_the_layers_places_need(tilt,
     area = PAPER_VIEW.width_px * PAPER_VIEW.height_px
     cells = area / PAPER_VIEW.cell_px(cell, span.low_mm, tilt) ** 2
     assert cells == pytest.approx(np.log2(4 * 60 * 60) + spare)
+    steeper, steepest = (
+        layer_span(Pad((layer,)), layer, PAPER_VIEW, ReadLimits(spare_bits=spare), by)
+        for by in (60, 75)
+    )
+    assert steepest.low_mm == steeper.low_mm <= span.low_mm * (1 + 1e-9)
 
 
 def test_a_layer_smaller_than_the_need_reads_nowhere():

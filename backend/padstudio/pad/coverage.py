@@ -77,6 +77,7 @@ METHOD_LIMITS: dict[Method, ReadLimits] = {
 }
 # Blur of lens, sensor and demosaicing in pixels; the detector's own whole-sign matching assumes it.
 _BLUR_PX = 0.8
+_MOST_GAIN_DEG = 60.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +153,8 @@ def _side_per_height(view: View, limits: ReadLimits, tilt_deg: float) -> float:
     if limits.cells_across is not None or limits.spare_bits is None:
         return view.extent_per_height(tilt_deg)
     # Where all cells count, it is their number: the ground in view grows as their pictures shrink.
-    return view.side_px / view.cell_px(1.0, 1.0, tilt_deg)
+    # Beyond some tilt what is gained lies too near the horizon to be read.
+    return view.side_px / view.cell_px(1.0, 1.0, min(tilt_deg, _MOST_GAIN_DEG))
 
 
 def sign_span(pad: Pad, view: View, limits: ReadLimits, tilt_deg: float = 0.0) -> Span:
