@@ -171,16 +171,27 @@ def test_another_run_beside_the_first(open_page: Callable[..., Page], flight_pat
     expect(page).not_to_have_url(re.compile("with="))
 
 
+# Runs of a flight that keep the workers busy for some seconds.
+_BEFORE = 20
+
+
 def test_a_flight_is_stopped_and_taken_up_again(
     open_page: Callable[..., Page], flight_path: str
 ) -> None:
     page = open_page(flight_path)
+    # Others wait before it, so that it cannot be done before it is stopped.
+    flights = page.url.split("/flights/")[0] + "/api/v1/flights"
+    begin = f"{flights}/{flight_path.split('/')[-1]}/rerun"
+    others = [page.request.post(begin, data={}).json()["id"] for _ in range(_BEFORE)]
     page.get_by_role("button", name="Run again").click()
     page.get_by_role("dialog").get_by_role("button", name="Run", exact=True).click()
     expect(page).to_have_url(re.compile(r"with="))
     page.get_by_role("button", name="Cancel").click()
     state = page.locator("#head [data-ref=state]")
     expect(state).to_have_text("Cancelled")
+    for other in others:
+        page.request.post(f"{flights}/{other}/cancel")
+        assert page.request.delete(f"{flights}/{other}").ok
     page.get_by_role("button", name="Try again").click()
     expect(state).to_have_text("Done", timeout=SLOW_MS)
     expect(page.locator("#summary")).to_contain_text(f"{FRAMES - len(BLANK)} of {FRAMES}")
