@@ -51,8 +51,8 @@ def measured_in(imaging, pose, reach_px=6.0):
     pad, camera = sample_pad(), small_camera()
     borders = borders_amid(pad, pad.layers[1], 7.5)
     pyramid = Pyramid(frame_of(pose, camera=camera, imaging=imaging))
-    plane = pyramid.plane("blue", 0)
-    return borders, measure(borders, plane, camera, MovingPose(pose), reach_px)
+    window = pyramid.window("blue", 0)
+    return borders, measure(borders, window, camera, MovingPose(pose), reach_px)
 
 
 def test_borders_are_measured_where_they_are():

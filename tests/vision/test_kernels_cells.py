@@ -3,6 +3,8 @@
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from padstudio.vision import kernels_cells
 from padstudio.vision.planes import Pyramid
@@ -11,17 +13,31 @@ from padstudio.vision.planes import Pyramid
 @pytest.mark.parametrize("level", [0, 1, 2])
 def test_values_are_those_between_the_pixels(level):
     rng = np.random.default_rng(level)
-    plane = Pyramid(rng.integers(0, 256, (120, 160, 3)).astype(np.uint8)).window("red", level)
+    frame = rng.integers(0, 256, (120, 160, 3)).astype(np.uint8)
+    pyramid = Pyramid(frame)
+    window = pyramid.window("red", level)
     xy = rng.uniform(8, 110, (9, 11, 2))
     seen = rng.random((9, 11)) < 0.8
-    found = kernels_cells.sample(plane.values, xy, seen, plane.place)
-    at = plane.from_frame(xy.reshape(-1, 2)).reshape(xy.shape).astype(np.float32)
-    picture = np.ascontiguousarray(plane.values).astype(np.float32)
+    found = kernels_cells.sample(window, xy, seen)
+    at = window.from_frame(xy.reshape(-1, 2)).reshape(xy.shape).astype(np.float32)
+    picture = pyramid.plane("red", level).values
     # OpenCV rounds places to 1/32 of a pixel.
     plain = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
     np.testing.assert_allclose(found[seen], plain[seen], atol=255 * 2 / 32)
     assert np.abs(found[seen] - plain[seen]).mean() < 3
     assert not found[~seen].any()
+
+
+@given(st.integers(1, 30), st.integers(1, 30), st.integers(2, 5))
+def test_what_changes_evenly_is_spread_exactly(rows, cols, every):
+    r, c = np.meshgrid(np.arange(rows), np.arange(cols), indexing="ij")
+    plain = np.stack([3 * c - 2 * r + 5.0, 0.5 * r * c], axis=-1)
+    r, c = np.meshgrid(
+        np.arange(0, rows + every - 1, every), np.arange(0, cols + every - 1, every), indexing="ij"
+    )
+    nodes = np.stack([3 * c - 2 * r + 5.0, 0.5 * r * c], axis=-1)
+    found = kernels_cells.spread(nodes, every, (rows, cols))
+    np.testing.assert_allclose(found, plain, atol=1e-9)
 
 
 def test_cells_are_as_wide_as_their_shorter_side():

@@ -6,6 +6,7 @@ import pytest
 from dense_frames import errors, frame_of, near_view, params, recorder, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
+from padstudio.vision import kernels_cells
 from padstudio.vision.pipeline import Detector
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import find_denoise, prepare
@@ -24,7 +25,15 @@ def in_planes(bgr):
         wide = [cv2.resize(c, (width, height), interpolation=cv2.INTER_NEAREST) for c in (v, u)]
         return cv2.cvtColor(cv2.merge([y, *wide]), cv2.COLOR_YCrCb2BGR)
 
-    return YuvFrame(y, u, v, "bt601", True, make_bgr)
+    return YuvFrame(y, u, v, width, "bt601", True, make_bgr)
+
+
+def shown(pyramid, channel, level):
+    """Values at every pixel of a level but the outermost."""
+    window = pyramid.window(channel, level)
+    y, x = np.mgrid[1 : len(window.values) - 1, 1 : window.width - 1].astype(float)
+    xy = window.to_frame(np.stack([x, y], axis=-1))
+    return kernels_cells.sample(window, xy, np.ones(x.shape, bool))
 
 
 def smooth(seed, height=96, width=160):
@@ -37,13 +46,22 @@ def smooth(seed, height=96, width=160):
 @pytest.mark.parametrize("level", [0, 1, 2, 3])
 def test_every_channel_at_every_scale_is_that_of_the_picture(channel, level):
     frame = in_planes(smooth(level))
-    found = YuvPyramid(frame).window(channel, level)
-    plain = Pyramid(frame.bgr).window(channel, level)
-    assert found.values.shape == plain.values.shape
-    np.testing.assert_array_equal(found.place, plain.place)
-    off = found.values.astype(float) - plain.values
-    assert np.abs(off).max() <= 3
+    found, plain = (
+        shown(p(f), channel, level) for p, f in ((YuvPyramid, frame), (Pyramid, frame.bgr))
+    )
+    off = found - plain
+    # At the frame's own scale pictures repeat the colours that are drawn out between pixels here.
+    assert np.abs(off).max() <= (3 if level else 9)
+    assert np.abs(off).mean() < 1.5
     assert abs(off.mean()) < 0.6
+
+
+@pytest.mark.parametrize("channel", ["red", "green", "blue"])
+def test_single_pixels_are_those_of_the_picture(channel):
+    frame = in_planes(smooth(4))
+    xy = np.random.default_rng(1).integers(0, 96, (300, 2))
+    found = YuvPyramid(frame).values_at(channel, xy)
+    np.testing.assert_allclose(found, Pyramid(frame.bgr).values_at(channel, xy), atol=2)
 
 
 def test_a_limited_range_of_the_other_standard_is_the_same_picture():
@@ -53,21 +71,23 @@ def test_a_limited_range_of_the_other_standard_is_the_same_picture():
     y = np.round(16 + 219 / 255 * bright)
     u, v = ((c - bright) / (2 * (1 - k)) for c, k in ((blue, 0.0722), (red, 0.2126)))
     u, v = (np.round(128 + 224 / 255 * cv2.resize(c, None, fx=0.5, fy=0.5)) for c in (u, v))
-    frame = YuvFrame(*(p.astype(np.uint8) for p in (y, u, v)), "bt709", False, lambda: None)
+    frame = YuvFrame(*(p.astype(np.uint8) for p in (y, u, v)), 160, "bt709", False, lambda: None)
     pyramid = YuvPyramid(frame)
     for channel, plain in (("red", red), ("blue", blue)):
         half = cv2.resize(plain, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        np.testing.assert_allclose(pyramid.window(channel, 1).values, half, atol=4)
+        np.testing.assert_allclose(shown(pyramid, channel, 1), half[1:-1, 1:-1], atol=4)
     np.testing.assert_allclose(frame.grey(8, 8, 32), bright[8:40, 8:40], atol=1.5)
 
 
 def test_odd_sides_end_as_those_of_the_picture():
     bgr = smooth(3)[:95, :159]
     even = in_planes(smooth(3))
-    frame = YuvFrame(even.y[:95, :159], even.u, even.v, "bt601", True, lambda: bgr)
+    frame = YuvFrame(even.y[:95], even.u, even.v, 159, "bt601", True, lambda: bgr)
     pyramid, plain = YuvPyramid(frame), Pyramid(bgr)
     for level in (0, 1, 2):
-        assert pyramid.window("red", level).values.shape == plain.window("red", level).values.shape
+        found = [shown(p, "red", level) for p in (pyramid, plain)]
+        assert found[0].shape == found[1].shape
+        assert np.abs(found[0] - found[1]).max() <= 4
     assert (pyramid.width, pyramid.height) == (159, 95)
 
 

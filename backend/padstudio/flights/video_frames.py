@@ -155,12 +155,11 @@ def _to_frame(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> Image | 
     standard = _STANDARDS.get(int(frame.colorspace))
     if frame.format.name not in _PLANAR or standard is None:
         return to_bgr()
-    y, u, v = (_pixels(plane) for plane in frame.planes)
+    y, u, v = (_rows(plane) for plane in frame.planes)
     full_range = frame.format.name == "yuvj420p" or int(frame.color_range) == _FULL_RANGE
-    return YuvFrame(y, u, v, standard, full_range, to_bgr)
+    return YuvFrame(y, u, v, frame.width, standard, full_range, to_bgr)
 
 
-def _pixels(plane: Any) -> Image:
+def _rows(plane: Any) -> Image:
     """A plane as it lies in the decoder's memory, which it keeps from being used again."""
-    rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
-    return rows[:, : plane.width]
+    return np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)

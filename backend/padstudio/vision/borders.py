@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.motion import MovingPose
-from padstudio.vision.planes import Plane
+from padstudio.vision.planes import Window
 from padstudio.vision.types import Array
 from padstudio.vision.view import visible_range
 
@@ -128,7 +128,7 @@ def _widths_px(borders: Borders, camera: Camera, pose: MovingPose) -> Array:
 
 
 def measure(
-    borders: Borders, plane: Plane, camera: Camera, pose: MovingPose, reach_px: float
+    borders: Borders, window: Window, camera: Camera, pose: MovingPose, reach_px: float
 ) -> Measured:
     """Find each border's step near where a pose predicts it.
 
@@ -146,11 +146,11 @@ def measure(
     Parameters
     ----------
     borders : Borders
-    plane : Plane
+    window : Window
     camera : Camera
     pose : MovingPose
     reach_px : float
-        Half length of a profile, plane pixels; never more than 0.42 of a cell.
+        Half length of a profile, pixels of the window; never more than 0.42 of a cell.
     """
     from padstudio.vision import kernels_borders
 
@@ -160,8 +160,7 @@ def measure(
         borders.across_mm,
         borders.step,
         *pose.plain(camera),
-        plane.values,
-        plane.place,
+        window,
         reach_px,
     )
     return Measured(borders.take(which), xy, weight)

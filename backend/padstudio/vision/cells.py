@@ -26,6 +26,8 @@ _LEAST_WIDTH, _ENOUGH = 2.0, 60
 _OFF_CENTRE = 0.2 * np.array(
     [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]], float
 )
+# From so many cells on only each of so many is projected, along rows and columns.
+_MANY, _EVERY = 2000, 4
 # Brightness is compared with that of a block of this many cells a side.
 _BLOCK = 9
 
@@ -98,52 +100,62 @@ def read_cells(
     """
     from padstudio.vision import kernels_cells
 
-    c, r = np.arange(*columns) + 0.5, np.arange(*rows) + 0.5
-    if not len(c) or not len(r):
+    shape = (rows[1] - rows[0], columns[1] - columns[0])
+    if min(shape) <= 0:
         return None
-    grid = np.stack(np.meshgrid(c, r), axis=-1)
-    xy = to_pixels(grid.reshape(-1, 2)).reshape(*grid.shape)
-    seen = _within(pyramid, xy)
+    first = np.array([columns[0], rows[0]]) + 0.5
+    xy = _centres(to_pixels, first, shape)
+    seen = _within(pyramid, xy, 0.0)
     if not seen.any():
         return None
-    _reach_in(pyramid, to_pixels, grid, xy, seen)
+    _reach_in(pyramid, to_pixels, first, xy, seen)
     kernels_cells.leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
     width = kernels_cells.width_px(xy, seen)
     level = max(0, math.floor(math.log2(max(width / _READING_WIDTH, 1.0))))
-    plane = pyramid.window(channel, level)
-    values = kernels_cells.sample(plane.values, xy, seen, plane.place)
+    values = kernels_cells.sample(pyramid.window(channel, level), xy, seen)
     relative = _relative(values, seen)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
 
 
-def _within(pyramid: Pyramid, xy: Array) -> NDArray[np.bool_]:
-    """Which pixels (…, 2) lie in the frame; none that are NaN do."""
+def _centres(to_pixels: ToPixels, first: Array, shape: tuple[int, int]) -> Array:
+    """Where the cells of a lattice lie in the frame, (R, C, 2); the first one's centre is given."""
+    from padstudio.vision import kernels_cells
+
+    # Between a few of many cells the picture of a plane bends by a small part of a cell.
+    every = 1 if shape[0] * shape[1] < _MANY else _EVERY
+    c, r = (np.arange(0, count + every - 1, every) for count in (shape[1], shape[0]))
+    nodes = np.stack(np.meshgrid(first[0] + c, first[1] + r), axis=-1)
+    at = to_pixels(nodes.reshape(-1, 2)).reshape(nodes.shape)
+    return at if every == 1 else kernels_cells.spread(at, every, shape)
+
+
+def _within(pyramid: Pyramid, xy: Array, margin: float) -> NDArray[np.bool_]:
+    """Which pixels (…, 2) lie in the frame or this far from it; none that are NaN do."""
     with np.errstate(invalid="ignore"):
-        return np.asarray(
-            (xy[..., 0] >= 0)
-            & (xy[..., 1] >= 0)
-            & (xy[..., 0] <= pyramid.width - 1)
-            & (xy[..., 1] <= pyramid.height - 1)
-        )
+        x, y = xy[..., 0], xy[..., 1]
+        last_x, last_y = pyramid.width - 1 + margin, pyramid.height - 1 + margin
+        return np.asarray((x >= -margin) & (y >= -margin) & (x <= last_x) & (y <= last_y))
 
 
 def _reach_in(
-    pyramid: Pyramid, to_pixels: ToPixels, grid: Array, xy: Array, seen: NDArray[np.bool_]
+    pyramid: Pyramid, to_pixels: ToPixels, first: Array, xy: Array, seen: NDArray[np.bool_]
 ) -> None:
     """Read cells cut by the frame's edge off their centre, where a part of them is in view.
 
     Changes ``xy`` and ``seen``. Close to the ground such cells are a third of all.
     """
-    edge = cv2.dilate(seen.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool) & ~seen
-    if not edge.any():
-        return
+    from padstudio.vision import kernels_cells
+
+    edge = _within(pyramid, xy, kernels_cells.width_px(xy, seen)) & ~seen
     rows, cols = np.nonzero(edge)
-    tried = (grid[rows, cols][:, None] + _OFF_CENTRE).reshape(-1, 2)
-    at = to_pixels(tried).reshape(len(rows), len(_OFF_CENTRE), 2)
-    here = _within(pyramid, at)
-    first = here.argmax(axis=1)
+    if not len(rows):
+        return
+    tried = first + np.column_stack([cols, rows])[:, None] + _OFF_CENTRE
+    at = to_pixels(tried.reshape(-1, 2)).reshape(tried.shape)
+    here = _within(pyramid, at, 0.0)
+    choice = here.argmax(axis=1)
     found = here.any(axis=1)
-    xy[rows[found], cols[found]] = at[found, first[found]]
+    xy[rows[found], cols[found]] = at[found, choice[found]]
     seen[rows[found], cols[found]] = True
 
 

@@ -53,9 +53,12 @@ def least_share(share: float) -> float:
 
 def tiles_of(xy: Array) -> NDArray[np.intp]:
     """The tile, 0 … TILES² − 1, in which each of some pixels (N, 2) lies."""
-    low, high = xy.min(axis=0), xy.max(axis=0)
-    at = ((xy - low) * (TILES / np.maximum(high - low, 1e-9))).astype(np.intp).clip(0, TILES - 1)
-    return np.asarray(at[:, 1] * TILES + at[:, 0], np.intp)
+    low_x, low_y = xy[:, 0].min(), xy[:, 1].min()
+    across = TILES / max(float(xy[:, 0].max() - low_x), 1e-9)
+    down = TILES / max(float(xy[:, 1].max() - low_y), 1e-9)
+    column = np.minimum(((xy[:, 0] - low_x) * across).astype(np.intp), TILES - 1)
+    row = np.minimum(((xy[:, 1] - low_y) * down).astype(np.intp), TILES - 1)
+    return np.asarray(row * TILES + column, np.intp)
 
 
 def pose_covariance(normal: Array, scores: Array, pull: Array) -> Array:

@@ -166,7 +166,10 @@ class Dense:
         """
         pyramid, camera = self._prepare(frame, recorder)
         refiner = Refiner(pyramid, camera, self.pad, self.params, 0, expected.motion)
-        measurement = recorder.run("pose", None, _best_of, refiner, [expected.pose], np.inf)
+        miss_px = expected.miss * camera.focal_px
+        measurement = recorder.run("pose", None, refiner.follow, expected.pose, miss_px)
+        if measurement is None:
+            measurement = recorder.run("pose", None, _best_of, refiner, [expected.pose], np.inf)
         detection, reads = self._judge(refiner, measurement, recorder)
         for read in reads:
             readable = read.cells.cell_px >= _READABLE_PX and read.evidence.read >= _ENOUGH

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.jit import fast_jit
-from padstudio.vision.kernels import picture, seen_at
+from padstudio.vision.kernels import between, picture, seen_at
+from padstudio.vision.planes import Window
 from padstudio.vision.types import Array
 
 # Samples of a profile, and the lines side by side that it is averaged over.
@@ -23,38 +24,54 @@ _MOST_REACH = 0.42
 # A step of so many grey values is fully trusted.
 _CLEAR_STEP = 6.0
 _LEAST_WEIGHT = 0.05
+# So many edges of cells tell how many of a field's borders lie in the frame.
+_POLLED = 512
 # So many borders of a kind tell how far its steps lean toward the dark.
 _LEAST_TO_LEAN = 12
 
 
 @fast_jit
+def add_profile(
+    profile: Array,
+    values: NDArray[np.uint8],
+    step: int,
+    first: int,
+    gain: float,
+    at: tuple[float, float],
+    reach: tuple[float, float],
+    side: tuple[float, float],
+) -> None:
+    """Add the values along a profile, averaged over lines side by side, times a gain."""
+    gain /= _BESIDE_LINES
+    for k in range(_STEPS):
+        t = -1 + 2 * k / (_STEPS - 1)
+        for b in range(_BESIDE_LINES):
+            f = (b - 1) / (_BESIDE_LINES - 1)
+            x = at[0] + f * side[0] + t * reach[0]
+            y = at[1] + f * side[1] + t * reach[1]
+            profile[k] += gain * between(values, step, first, x, y)
+
+
+@fast_jit
 def find_step(
-    values: NDArray[Any],
-    x: float,
-    y: float,
-    reach_x: float,
-    reach_y: float,
-    side_x: float,
-    side_y: float,
+    window: Window,
+    at: tuple[float, float],
+    reach: tuple[float, float],
+    side: tuple[float, float],
     sign: float,
+    profile: Array,
 ) -> tuple[float, float, float]:
     """Where along a profile a step lies, in units of its reach; its rise, and all slope spent.
 
-    The profile and the lines beside it must lie within the plane.
+    The profile (_STEPS,) and the lines beside it must lie within the picture.
     """
-    profile = np.empty(_STEPS)
-    for k in range(_STEPS):
-        t = -1 + 2 * k / (_STEPS - 1)
-        total = 0.0
-        for b in range(_BESIDE_LINES):
-            f = (b - 1) / (_BESIDE_LINES - 1)
-            px, py = x + f * side_x + t * reach_x, y + f * side_y + t * reach_y
-            c, r = np.uintp(px), np.uintp(py)
-            fx, fy = px - c, py - r
-            top = values[r, c] * (1 - fx) + values[r, c + 1] * fx
-            low = values[r + 1, c] * (1 - fx) + values[r + 1, c + 1] * fx
-            total += top * (1 - fy) + low * fy
-        profile[k] = total / _BESIDE_LINES
+    profile[:] = 0.0
+    add_profile(profile, window.values, window.step, window.first, window.gain, at, reach, side)
+    if window.weight:
+        f = window.scale
+        at = (f * at[0] + window.shift, f * at[1] + window.shift)
+        reach, side = (f * reach[0], f * reach[1]), (f * side[0], f * side[1])
+        add_profile(profile, window.colours, 1, 0, window.weight, at, reach, side)
     for _ in range(_SMOOTHINGS):
         before = profile[0]
         for k in range(1, _STEPS - 1):
@@ -83,22 +100,18 @@ def find_borders(
     lens: Array,
     height: int,
     still: bool,
-    values: NDArray[Any],
-    plane: Array,
+    window: Window,
     reach_px: float,
 ) -> tuple[NDArray[np.intp], Array, Array]:
-    """Steps near predicted borders: which were found, where (M, 2), and their weights (M,).
-
-    ``plane`` holds the side of the plane's pixels, and where frame pixel (0, 0) lies in it.
-    """
-    h, w = values.shape
+    """Steps near predicted borders: which were found, where (M, 2), and their weights (M,)."""
+    h, w = len(window.values), window.width
     which, off = np.empty(len(points), np.intp), np.empty(len(points))
     xy, weight, normals = np.empty((len(points), 2)), np.empty(len(points)), np.empty_like(points)
-    found, pixel = 0, plane[0]
+    found, pixel, profile = 0, window.pixel, np.empty(_STEPS)
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         px, py, s = seen_at(x, y, z, pose, matrix, lens, height, still)
-        lx, ly = px / pixel + plane[1], py / pixel + plane[2]
+        lx, ly = (px + 0.5) / pixel - 0.5, (py + 0.5) / pixel - 0.5
         if not (lx > 0 and ly > 0 and lx < w and ly < h):
             continue
         # The same moment for all three: what one step changes of it is next to nothing.
@@ -117,14 +130,12 @@ def find_borders(
         if not (lx > rim and ly > rim and lx < w - 1 - rim and ly < h - 1 - rim):
             continue
         shift, rise, spent = find_step(
-            values,
-            lx,
-            ly,
-            nx * reach / pixel,
-            ny * reach / pixel,
-            _BESIDE * tx / pixel,
-            _BESIDE * ty / pixel,
+            window,
+            (lx, ly),
+            (nx * reach / pixel, ny * reach / pixel),
+            (_BESIDE * tx / pixel, _BESIDE * ty / pixel),
             1.0 if step[i] > 0 else -1.0,
+            profile,
         )
         clean = min(1.0, max(0.0, 2 * rise / max(spent, 1e-9) - 1))
         trust = clean * clean * min(1.0, rise / _CLEAR_STEP)
@@ -175,30 +186,55 @@ def borders_in_view(
     ``size`` holds a cell's sides and the pad's, mm. Returns where they lie on the pad (M, 2), the
     change of level over each, and whether it is upright.
     """
-    total = 0
-    for r in range(rows[0], rows[1]):
-        for c in range(cols[0], cols[1]):
-            total += c + 1 < cols[1] and field[r, c] != field[r, c + 1]
-            total += r + 1 < rows[1] and field[r, c] != field[r + 1, c]
-    stride = max(1, -(-total // (3 * most)))
-    points, change = np.empty((total // stride + 1, 2)), np.empty(total // stride + 1, np.intp)
-    upright = np.empty(len(change), np.bool_)
-    seen = found = 0
+    camera = (pose, matrix, lens, height, still)
+    edges = 2 * max(rows[1] - rows[0], 0) * max(cols[1] - cols[0], 0)
+    stride = max(1, edges // _POLLED)
+    polled = len(every_border(field, rows, cols, size, camera, width, stride)[1])
+    stride = max(1, int(0.9 * stride * polled / most))
+    # Columns must not be met in step with their number.
+    while math.gcd(stride, cols[1] - cols[0]) > 1:
+        stride -= 1
+    points, change, upright = every_border(field, rows, cols, size, camera, width, stride)
+    if len(change) <= most:
+        return points, change, upright
+    kept = np.arange(most) * len(change) // most
+    return points[kept], change[kept], upright[kept]
+
+
+@fast_jit
+def every_border(
+    field: NDArray[Any],
+    rows: tuple[int, int],
+    cols: tuple[int, int],
+    size: Array,
+    camera: tuple[Array, Array, Array, int, bool],
+    width: int,
+    stride: int,
+) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
+    """Of each ``stride``-th edge of a field's cells the borders in view; as `borders_in_view`."""
+    pose, matrix, lens, height, still = camera
+    across = cols[1] - cols[0]
+    most = 2 * ((rows[1] - rows[0]) * across // stride + 1) if across > 0 else 0
+    points, change, upright = np.empty((most, 2)), np.empty(most, np.intp), np.empty(most, np.bool_)
+    found = 0
     for kind in (True, False):
-        for r in range(rows[0], rows[1] - (not kind)):
-            for c in range(cols[0], cols[1] - kind):
-                after = field[r, c + 1] if kind else field[r + 1, c]
-                if after == field[r, c]:
-                    continue
-                seen += 1
-                if (seen - 1) % stride:
-                    continue
-                x = (c + (1.0 if kind else 0.5)) * size[0] - size[2] / 2
-                y = size[3] / 2 - (r + (0.5 if kind else 1.0)) * size[1]
-                px, py, _ = seen_at(x, y, 0.0, pose, matrix, lens, height, still)
-                if px > 1 and py > 1 and px < width - 2 and py < height - 2:
-                    points[found, 0], points[found, 1], upright[found] = x, y, kind
-                    change[found] = np.intp(after) - np.intp(field[r, c])
-                    found += 1
-    thin = max(1, -(-found // most))
-    return points[:found:thin], change[:found:thin], upright[:found:thin]
+        r, c = rows[0], cols[0] - stride
+        while most > 0:
+            c += stride
+            if c >= cols[1]:
+                r, c = r + (c - cols[0]) // across, cols[0] + (c - cols[0]) % across
+            if r + (not kind) >= rows[1]:
+                break
+            if c + kind >= cols[1]:
+                continue
+            step = np.intp(field[r + (not kind), c + kind]) - np.intp(field[r, c])
+            if step == 0:
+                continue
+            x = (c + (1.0 if kind else 0.5)) * size[0] - size[2] / 2
+            y = size[3] / 2 - (r + (0.5 if kind else 1.0)) * size[1]
+            px, py, _ = seen_at(x, y, 0.0, pose, matrix, lens, height, still)
+            if px > 1 and py > 1 and px < width - 2 and py < height - 2:
+                points[found, 0], points[found, 1] = x, y
+                change[found], upright[found] = step, kind
+                found += 1
+    return points[:found], change[:found], upright[:found]

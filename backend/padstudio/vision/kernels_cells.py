@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.jit import fast_jit
+from padstudio.vision.kernels import between
+from padstudio.vision.planes import Window
 from padstudio.vision.types import Array
 
 # So many lines of cells tell how wide they are.
@@ -16,25 +17,40 @@ _TELLING = 16
 
 
 @fast_jit
-def sample(
-    values: NDArray[Any], xy: Array, seen: NDArray[np.bool_], plane: Array
-) -> NDArray[np.float32]:
-    """Values (R, C) of a plane between its pixels at frame pixels (R, C, 2), 0 where not seen.
-
-    ``plane`` is as of `padstudio.vision.kernels_borders.find_borders`.
-    """
-    h, w = values.shape
+def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Values (R, C) of a window between its pixels at frame pixels (R, C, 2), 0 where not seen."""
+    h, w = len(window.values), window.width
     out = np.zeros(seen.shape, np.float32)
     for r in range(seen.shape[0]):
         for c in range(seen.shape[1]):
             if seen[r, c]:
-                x = min(max(xy[r, c, 0] / plane[0] + plane[1], 0.0), w - 1.001)
-                y = min(max(xy[r, c, 1] / plane[0] + plane[2], 0.0), h - 1.001)
-                i, k = int(y), int(x)
-                fy, fx = y - i, x - k
-                top = values[i, k] * (1 - fx) + values[i, k + 1] * fx
-                low = values[i + 1, k] * (1 - fx) + values[i + 1, k + 1] * fx
-                out[r, c] = top * (1 - fy) + low * fy
+                x = min(max((xy[r, c, 0] + 0.5) / window.pixel - 0.5, 0.0), w - 1.001)
+                y = min(max((xy[r, c, 1] + 0.5) / window.pixel - 0.5, 0.0), h - 1.001)
+                value = between(window.values, window.step, window.first, x, y)
+                value = window.gain * value + window.black
+                if window.weight:
+                    rows, cols = window.colours.shape
+                    x = min(max(window.scale * x + window.shift, 0.0), cols - 1.001)
+                    y = min(max(window.scale * y + window.shift, 0.0), rows - 1.001)
+                    value += window.weight * between(window.colours, 1, 0, x, y)
+                out[r, c] = value
+    return out
+
+
+@fast_jit
+def spread(nodes: Array, every: int, shape: tuple[int, int]) -> Array:
+    """Places (R, C, 2) between nodes (⌈(R−1)/every⌉ + 1, …, 2) that stand for each such row."""
+    out = np.empty((shape[0], shape[1], 2))
+    for r in range(shape[0]):
+        fr, i = (r % every) / every, r // every
+        below = min(i + 1, len(nodes) - 1)
+        for c in range(shape[1]):
+            fc, k = (c % every) / every, c // every
+            right = min(k + 1, nodes.shape[1] - 1)
+            for axis in range(2):
+                top = nodes[i, k, axis] * (1 - fc) + nodes[i, right, axis] * fc
+                low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
+                out[r, c, axis] = top * (1 - fr) + low * fr
     return out
 
 

@@ -26,7 +26,7 @@ from padstudio.vision.refine import Fit, better_of, fit_pose
 from padstudio.vision.types import Array
 from padstudio.vision.view import to_pad, visible_range
 
-# Profiles reach this far, and are taken where a cell is about this wide, pixels of the plane.
+# Profiles reach this far, and are taken where a cell is about this wide, pixels of the window.
 _REACH_PX = 6.0
 _CELL_PX = 9.0
 _MOST_RESIDUAL = 0.12
@@ -36,6 +36,8 @@ _NEAR_BY = 25
 _DECIDING = 800
 # Borders this near to their prediction, in cells, need not be measured again to settle.
 _SETTLED = 0.1
+# Expectations this near, in cells, need no coarser layer's help.
+_WITHIN = 0.2
 # Residuals this small, in cells, need no motion to be brought nearer.
 _QUIET = 0.05
 
@@ -146,26 +148,52 @@ class Refiner:
             Layers with larger cells have nothing to add to ``start``; their borders only count
             in the end.
         """
-        pose, refine = start, self.params.refine
+        pose = start
         rungs: list[Rung] = []
         for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
-            borders, cell_px = measurable_borders(
-                self.pad, layer, self.camera, pose, self._most_borders, refine.least_cell_px
-            )
-            if len(borders.step) < LEAST_BORDERS or cell_px < refine.least_cell_px:
-                continue
-            few, rms = borders.thinned(refine.few_borders), np.inf
-            for _ in range(2 if layer.cell_mm <= good_mm else 0):
-                measured = self._measure(layer, few, pose, cell_px, sharper=0)
-                fit = self._fit(pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
-                if fit is None:
-                    break
-                away_px = pose.apart_px(fit.pose, self.camera.focal_px)
-                pose, rms = fit.pose, fit.rms_px
-                if away_px < _SETTLED * cell_px:
-                    break
-            rungs.append(Rung(layer, borders, cell_px, pose, rms))
+            rung = self._rung(layer, pose)
+            if rung is not None:
+                rungs.append(self._looked_at(rung, 2 if layer.cell_mm <= good_mm else 0))
+                pose = rungs[-1].pose
         return rungs
+
+    def follow(self, expected: MovingPose, miss_px: float) -> Measurement | None:
+        """Measure the finest readable layer right where a pose is expected.
+
+        None where its cells are small against ``miss_px``, by which the expectation may be off, or
+        disagree with the pad: coarser layers may then lead there.
+        """
+        for layer in sorted(self.pad.layers, key=lambda item: item.cell_mm):
+            rung = self._rung(layer, expected)
+            if rung is not None:
+                if self.is_far(rung) or miss_px > _WITHIN * rung.cell_px:
+                    return None
+                return self.polish([self._looked_at(rung, 1)])
+        return None
+
+    def _rung(self, layer: Layer, pose: MovingPose) -> Rung | None:
+        """A layer's borders where a pose puts them, or None where it cannot be read."""
+        least_px = self.params.refine.least_cell_px
+        borders, cell_px = measurable_borders(
+            self.pad, layer, self.camera, pose, self._most_borders, least_px
+        )
+        if len(borders.step) < LEAST_BORDERS or cell_px < least_px:
+            return None
+        return Rung(layer, borders, cell_px, pose, np.inf)
+
+    def _looked_at(self, rung: Rung, times: int) -> Rung:
+        """The rung with the pose that a few of its borders lead to."""
+        few, cell_px = rung.borders.thinned(self.params.refine.few_borders), rung.cell_px
+        for _ in range(times):
+            measured = self._measure(rung.layer, few, rung.pose, cell_px, sharper=0)
+            fit = self._fit(rung.pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
+            if fit is None:
+                break
+            away_px = rung.pose.apart_px(fit.pose, self.camera.focal_px)
+            rung = replace(rung, pose=fit.pose, rms_px=fit.rms_px)
+            if away_px < _SETTLED * cell_px:
+                break
+        return rung
 
     def polish(self, rungs: list[Rung]) -> Measurement | None:
         """Measure all borders of the finest layer, or of a coarser one where its cells disagree.
@@ -280,8 +308,8 @@ class Refiner:
     ) -> Measured:
         level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
         level = max(0, level - sharper)
-        plane = self.pyramid.window(layer.channel, level)
-        return measure(borders, plane, self.camera, pose, _REACH_PX)
+        window = self.pyramid.window(layer.channel, level)
+        return measure(borders, window, self.camera, pose, _REACH_PX)
 
 
 def most_residual_px(cell_px: float) -> float:

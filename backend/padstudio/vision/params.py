@@ -75,7 +75,7 @@ class RefineParams:
     """
 
     most_borders: int = 3000
-    followed_borders: int = 1500
+    followed_borders: int = 1000
     few_borders: int = 300
     least_cell_px: float = 3.2
     align_below_px: float = 5.0

@@ -15,7 +15,7 @@ from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.covariance import tiles_of
 from padstudio.vision.motion import MovingPose, normalized
-from padstudio.vision.planes import BGR_INDEX, Box, Pyramid
+from padstudio.vision.planes import Box, Pyramid
 from padstudio.vision.types import Array
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
@@ -112,12 +112,11 @@ def pixels_of(
     if len(which) > most:
         which = which[np.linspace(0, len(which) - 1, most).astype(np.intp)]
     xy, rays = xy[which], rays[which]
-    shown = pyramid.level(0)[xy[:, 1], xy[:, 0]]
-    values = np.stack([shown[:, BGR_INDEX[layer.channel]] for layer in pad.layers])
+    values = np.stack([pyramid.values_at(layer.channel, xy) for layer in pad.layers])
     u, v = ((xy - xy.mean(axis=0)) / max(box.side / 2, 1)).T
     shade = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1)
     moment = pose.moment(camera, xy[:, 1].astype(float))
-    return Pixels(rays, moment, shade, tiles_of(xy.astype(float)), values.astype(np.float32))
+    return Pixels(rays, moment, shade, tiles_of(xy.astype(float)), values)
 
 
 def _outline_box(camera: Camera, pad: Pad, pose: MovingPose) -> Box | None:

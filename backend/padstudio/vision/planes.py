@@ -7,7 +7,7 @@ first asked for, and only from the level below it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -61,11 +61,6 @@ class Plane:
         return 1 << self.level
 
     @property
-    def place(self) -> Array:
-        """Side of a pixel in frame pixels, and where frame pixel (0, 0) lies in the plane; (3,)."""
-        return np.array([self.pixel, *(0.5 / self.pixel - self._corner)])
-
-    @property
     def _corner(self) -> Array:
         return np.array([self.x0 + 0.5, self.y0 + 0.5])
 
@@ -78,6 +73,51 @@ class Plane:
         return (xy + 0.5) / float(self.pixel) - self._corner
 
 
+class Window(NamedTuple):
+    """One channel of a whole frame at one scale as it lies in memory, for compiled loops.
+
+    The grey value of column c and row r is ``gain · values[r, first + step · c] + black``, and
+    where there are colours, which may lie at half the scale, ``weight`` times theirs at column
+    ``scale · c + shift`` and row ``scale · r + shift`` besides.
+
+    Attributes
+    ----------
+    values : (h, n) uint8
+        C-contiguous, whatever the channel, so that one compiled form of a loop serves all.
+    colours : (k, m) uint8
+        Likewise; empty where there are none.
+    width : int
+        Columns of the picture.
+    pixel : float
+        Side of a column in frame pixels.
+    step, first : int
+    gain, black, weight, scale, shift : float
+    """
+
+    values: Image
+    colours: Image
+    width: int
+    pixel: float
+    step: int = 1
+    first: int = 0
+    gain: float = 1.0
+    black: float = 0.0
+    weight: float = 0.0
+    scale: float = 1.0
+    shift: float = 0.0
+
+    def to_frame(self, xy: Array) -> Array:
+        """Frame pixels (N, 2) of columns and rows (N, 2)."""
+        return (xy + 0.5) * self.pixel - 0.5
+
+    def from_frame(self, xy: Array) -> Array:
+        """Columns and rows (N, 2) of frame pixels (N, 2)."""
+        return (xy + 0.5) / self.pixel - 0.5
+
+
+NO_COLOURS: Image = np.empty((0, 0), np.uint8)
+
+
 class Pyramid:
     """A frame and its halved copies.
 
@@ -88,7 +128,7 @@ class Pyramid:
     """
 
     def __init__(self, bgr: Image | None) -> None:
-        self._levels: list[Image] = [] if bgr is None else [bgr]
+        self._levels: list[Image] = [] if bgr is None else [np.ascontiguousarray(bgr)]
 
     @property
     def width(self) -> int:
@@ -117,13 +157,20 @@ class Pyramid:
         values = cv2.extractChannel(part, BGR_INDEX[channel]).astype(np.float32)
         return Plane(values, channel, level, x0, y0)
 
-    def window(self, channel: Channel, level: int) -> Plane:
-        """One channel of the whole frame at one scale as it lies in memory, (h, w) uint8.
+    def window(self, channel: Channel, level: int) -> Window:
+        """One channel of the whole frame at one scale.
 
-        Costs nothing, so it is for those who look at few of the pixels.
+        Costs nothing but the scale, so it is for those who look at few of the pixels.
         """
-        part, x0, y0 = self._part(level, self.box)
-        return Plane(part[:, :, BGR_INDEX[channel]], channel, level, x0, y0)
+        image = self.level(level)
+        height, width = image.shape[:2]
+        rows = image.reshape(height, 3 * width)
+        return Window(rows, NO_COLOURS, width, 2.0**level, 3, BGR_INDEX[channel])
+
+    def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
+        """One channel's grey values (N,) at some of the frame's pixels (N, 2)."""
+        values = self.level(0)[xy[:, 1], xy[:, 0], BGR_INDEX[channel]]
+        return np.asarray(values, np.float32)
 
     def _part(self, level: int, box: Box) -> tuple[Image, int, int]:
         x0, y0 = box.x0 >> level, box.y0 >> level

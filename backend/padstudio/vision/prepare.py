@@ -127,8 +127,11 @@ def find_denoise(image: Image | YuvFrame, threshold: float) -> Denoise:
         else:
             part = np.ascontiguousarray(image[y : y + size, x : x + size, 1])
         middle = cv2.medianBlur(part, 3)
-        extreme = (part <= _BLACK) | (part >= _WHITE)
-        found += int((extreme & (cv2.absdiff(part, middle) > _IMPULSE_STEP)).sum())
+        _, stands_out = cv2.threshold(
+            cv2.absdiff(part, middle), _IMPULSE_STEP, 255, cv2.THRESH_BINARY
+        )
+        extreme = cv2.bitwise_not(cv2.inRange(part, _BLACK + 1, _WHITE - 1))
+        found += cv2.countNonZero(cv2.bitwise_and(stands_out, extreme))
         total += part.size
     share = found / total
     return Denoise(share, share > threshold)

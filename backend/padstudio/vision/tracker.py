@@ -8,6 +8,7 @@ the pose changes within a frame, above all in height, which no single frame can 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -35,10 +36,14 @@ class Expectation:
     pose : MovingPose
     motion : KnownMotion or None
         Its change within the frame, where that is known rather than guessed at zero.
+    miss : float
+        By how much the last frame's expectation was off, as a share of the height or in radians,
+        whichever is more.
     """
 
     pose: MovingPose
     motion: KnownMotion | None = None
+    miss: float = math.inf
 
 
 class Tracker:
@@ -46,11 +51,17 @@ class Tracker:
 
     def __init__(self) -> None:
         self._past: list[Pose] = []
+        self._expected: Expectation | None = None
+        self._miss = math.inf
         self._weight = self._product = self._misfit = 0.0
         self._frames = 0
 
     def expect(self) -> Expectation | None:
         """The next frame's pose, or None after a frame without one."""
+        self._expected = self._expect()
+        return self._expected
+
+    def _expect(self) -> Expectation | None:
         if not self._past:
             return None
         last = self._past[-1]
@@ -60,9 +71,9 @@ class Tracker:
         pose = Pose(last.position_mm + shift, last.rotation @ _rotation(turn))
         share = self._share()
         if share is None:
-            return Expectation(MovingPose(pose))
+            return Expectation(MovingPose(pose), miss=self._miss)
         motion = KnownMotion(share * shift, share * turn, self._climb_sigma(share, shift))
-        return Expectation(MovingPose(pose, motion.shift_mm, motion.turn), motion)
+        return Expectation(MovingPose(pose, motion.shift_mm, motion.turn), motion, self._miss)
 
     def _climb_sigma(self, share: float, shift: Array) -> float:
         """How far the change of height in a frame may be off, mm.
@@ -76,9 +87,12 @@ class Tracker:
 
     def learn(self, detection: Detection) -> None:
         """Take a frame's detection into account."""
+        self._miss = math.inf
         if detection.pose is None:
             self._past = []
             return
+        if self._expected is not None:
+            self._miss = self._expected.pose.apart_px(MovingPose(detection.pose), focal_px=1.0)
         if self._past and detection.shift_mm is not None and detection.turn_rad is not None:
             self._compare(detection.pose, detection.shift_mm, detection.turn_rad)
         self._past = [*self._past[-2:], detection.pose]

@@ -39,7 +39,7 @@ def _in_planes(bgr: Image) -> YuvFrame:
     """The frame as a video's decoder leaves it."""
     y, red, blue = cv2.split(cv2.cvtColor(bgr, cv2.COLOR_BGR2YCrCb))
     u, v = (np.asarray(halved(np.asarray(colour)), np.uint8) for colour in (blue, red))
-    return YuvFrame(np.asarray(y, np.uint8), u, v, "bt601", True, lambda: bgr)
+    return YuvFrame(np.asarray(y, np.uint8), u, v, bgr.shape[1], "bt601", True, lambda: bgr)
 
 
 def _pad() -> Pad:

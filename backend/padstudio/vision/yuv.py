@@ -13,15 +13,17 @@ from typing import Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.pad.spec import Channel
-from padstudio.vision.planes import Plane, Pyramid, halved
+from padstudio.vision.planes import Pyramid, Window, halved
 from padstudio.vision.types import Image
 
 Standard = Literal["bt601", "bt709"]
 
 #: Shares of red and blue in brightness.
 _SHARES: dict[Standard, tuple[float, float]] = {"bt601": (0.299, 0.114), "bt709": (0.2126, 0.0722)}
+_COLOURS: dict[Channel, str] = {"red": "v", "blue": "u"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +32,11 @@ class YuvFrame:
 
     Attributes
     ----------
-    y : (H, W) uint8
-    u, v : (H/2, W/2) uint8
-        Half of an odd side is rounded up.
+    y : (H, n) uint8
+    u, v : (H/2, m) uint8
+        Half of an odd side is rounded up. C-contiguous; rows may hold more than the picture.
+    width : int
+        Columns of the picture, W.
     standard : {"bt601", "bt709"}
     full_range : bool
         Brightness is 0 … 255 rather than 16 … 235.
@@ -43,6 +47,7 @@ class YuvFrame:
     y: Image
     u: Image
     v: Image
+    width: int
     standard: Standard
     full_range: bool
     make_bgr: Callable[[], Image]
@@ -50,7 +55,7 @@ class YuvFrame:
     @property
     def shape(self) -> tuple[int, int, int]:
         """Of `bgr`."""
-        return int(self.y.shape[0]), int(self.y.shape[1]), 3
+        return int(self.y.shape[0]), self.width, 3
 
     @cached_property
     def bgr(self) -> Image:
@@ -70,7 +75,10 @@ class YuvFrame:
 
 
 class YuvPyramid(Pyramid):
-    """Halved copies of a frame in planes, each channel made where somebody asks for it.
+    """Halved copies of a frame in planes, each made where somebody asks for it.
+
+    Red = Y + 2 (1 − K_red) V, and blue likewise with U (ITU-R BT.601, BT.709); those who read the
+    pixels take the sum.
 
     Parameters
     ----------
@@ -80,8 +88,7 @@ class YuvPyramid(Pyramid):
     def __init__(self, frame: YuvFrame) -> None:
         super().__init__(None)
         self._frame = frame
-        self._halves: dict[str, list[Image]] = {"y": [frame.y]}
-        self._made: dict[tuple[Channel, int], Plane] = {}
+        self._halves = {"y": [frame.y], "u": [frame.u], "v": [frame.v]}
 
     @property
     def width(self) -> int:
@@ -99,35 +106,45 @@ class YuvPyramid(Pyramid):
             self._levels.append(self._frame.bgr)
         return super().level(number)
 
-    def window(self, channel: Channel, level: int) -> Plane:
+    def window(self, channel: Channel, level: int) -> Window:
         """As of `Pyramid`."""
-        # Colours must be doubled for the frame's own scale: the decoder's library does it faster.
-        if level == 0 or channel == "green":
+        if channel == "green":
             return super().window(channel, level)
-        if (channel, level) not in self._made:
-            self._made[channel, level] = Plane(self._channel(channel, level), channel, level, 0, 0)
-        return self._made[channel, level]
-
-    def _channel(self, channel: Channel, level: int) -> Image:
-        """Red = Y + 2 (1 − K_red) V, and blue likewise with U (ITU-R BT.601, BT.709)."""
-        frame = self._frame
-        share = _SHARES[frame.standard][0 if channel == "red" else 1]
-        colour = "v" if channel == "red" else "u"
-        scale, black = frame.gain
-        weight = 2 * (1 - share) * (1.0 if frame.full_range else 255 / 224)
-        bright = self._half("y", level)
-        if colour not in self._halves:
-            # Colours come at half scale, an odd side rounded up where this pyramid rounds down.
-            plane = frame.v if channel == "red" else frame.u
-            first = self._half("y", 1).shape
-            self._halves[colour] = [plane[: first[0], : first[1]]]
-        shown = cv2.addWeighted(
-            bright, scale, self._half(colour, level - 1), weight, -scale * black - 128 * weight
+        bright, colours = self._half("y", level), self._half(_COLOURS[channel], max(level - 1, 0))
+        gain, black, weight = self._mixture(channel)
+        return Window(
+            values=bright,
+            colours=colours,
+            width=bright.shape[1] if level else self.width,
+            pixel=2.0**level,
+            gain=gain,
+            black=black,
+            weight=weight,
+            scale=1.0 if level else 0.5,
+            shift=0.0 if level else -0.25,
         )
-        return np.asarray(shown, np.uint8)
+
+    def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
+        """As of `Pyramid`."""
+        if channel == "green":
+            return super().values_at(channel, xy)
+        gain, black, weight = self._mixture(channel)
+        half = xy // 2
+        bright = self._frame.y[xy[:, 1], xy[:, 0]].astype(np.float32)
+        colour = self._half(_COLOURS[channel], 0)[half[:, 1], half[:, 0]].astype(np.float32)
+        return np.asarray(gain * bright + weight * colour + black, np.float32)
+
+    def _mixture(self, channel: Channel) -> tuple[float, float, float]:
+        """Grey values of a channel per unit of brightness, at black, and per unit of its colour."""
+        frame = self._frame
+        gain, black = frame.gain
+        share = _SHARES[frame.standard][0 if channel == "red" else 1]
+        weight = 2 * (1 - share) * (1.0 if frame.full_range else 255 / 224)
+        return gain, -gain * black - 128 * weight, weight
 
     def _half(self, name: str, times: int) -> Image:
         made = self._halves[name]
         while len(made) <= times:
-            made.append(halved(made[-1]))
+            first = self.width if name == "y" else -(-self.width // 2)
+            made.append(halved(made[-1][:, :first] if len(made) == 1 else made[-1]))
         return made[times]
