@@ -1,5 +1,6 @@
 """Stretch, denoise and channel."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -60,10 +61,24 @@ def test_a_channel_is_stretched_and_not_clipped():
     assert np.percentile(plane.values, [1, 99]) == pytest.approx([0, 255], abs=10)
 
 
+def test_impulses_are_pixels_far_from_their_neighbours_median():
+    """As OpenCV's median tells it, everywhere in five squares but at their rims."""
+    image = salted(ramp(0, 255, (400, 500)), 0.05, seed=3)
+    channel = np.ascontiguousarray(image[:, :, 1])
+    stands_out = cv2.absdiff(channel, cv2.medianBlur(channel, 3)) > 60
+    impulse = stands_out & ((channel <= 8) | (channel >= 247))
+    size, plain = 96, 0
+    for fy, fx in ((0.5, 0.5), (0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)):
+        y, x = int(fy * (400 - size)), int(fx * (500 - size))
+        plain += impulse[y + 1 : y + size - 1, x + 1 : x + size - 1].sum()
+    found = find_denoise(Pyramid(image).brightness, 0.005)
+    assert found.impulses == pytest.approx(plain / (5 * 94**2), rel=1e-9)
+
+
 @pytest.mark.parametrize("share", [0.02, 0.08])
 def test_salt_is_measured_and_removed(share):
     clean = ramp(60, 190)
-    found = find_denoise(salted(clean, share), 0.005)
+    found = find_denoise(Pyramid(salted(clean, share)).brightness, 0.005)
     assert found.applied
     assert found.impulses == pytest.approx(share, rel=0.15)
     left = np.abs(denoised(salted(clean, share), found).astype(int) - clean)
@@ -72,6 +87,6 @@ def test_salt_is_measured_and_removed(share):
 
 def test_a_clean_picture_stays_as_it_is():
     image = ramp(0, 255)
-    found = find_denoise(image, 0.005)
+    found = find_denoise(Pyramid(image).brightness, 0.005)
     assert not found.applied
     assert denoised(image, found) is image

@@ -6,6 +6,7 @@ from padstudio.vision import (
     kernels_cells,
     kernels_fit,
     kernels_pattern,
+    kernels_pixels,
     kernels_search,
     warm,
 )
@@ -19,6 +20,7 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         kernels_cells,
         kernels_fit,
         kernels_pattern,
+        kernels_pixels,
         kernels_search,
     ):
         compiled = [f for f in vars(module).values() if hasattr(f, "signatures")]
@@ -30,6 +32,8 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         kernels_borders.find_borders,
         kernels_cells.sample,
         kernels_cells.width_px,
+        kernels_fit.fit_mirrored,
+        kernels_pixels.impulses,
         kernels_fit.fit,
         kernels_fit.fit_points,
         kernels_fit.normal_equations,

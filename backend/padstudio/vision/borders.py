@@ -84,20 +84,19 @@ def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, mo
     from padstudio.vision import kernels_borders
 
     rows, cols = visible_range(pad, layer, camera, pose.pose)
-    sx, sy = layer.cell_mm * pad.scale[0], layer.cell_mm * pad.scale[1]
-    points, change, upright = kernels_borders.borders_in_view(
+    sides = (layer.cell_mm * pad.scale[0], layer.cell_mm * pad.scale[1])
+    found = kernels_borders.borders_in_view(
         layer.field,
         rows,
         cols,
-        np.array([sx, sy, *pad.size_mm]),
+        np.array([*sides, *pad.size_mm]),
+        pad.levels,
         *MovingPose(pose.pose).plain(camera),
         camera.width,
         most,
     )
-    across = np.where(upright[:, None], [sx, 0.0, 0.0], [0.0, -sy, 0.0])
-    along = np.where(upright[:, None], [0.0, -sy / 2, 0.0], [sx / 2, 0.0, 0.0])
-    points_mm = np.column_stack([points, np.zeros(len(points))])
-    return Borders(points_mm, across, along, change / (pad.levels - 1.0))
+    points, across, along, step = found
+    return Borders(points, across, along, step)
 
 
 def measurable_borders(

@@ -22,7 +22,8 @@ _READING_WIDTH = 3.0
 # Under tilt cells narrower than this are left to the horizon, where enough others are wider.
 _LEAST_WIDTH, _ENOUGH = 2.0, 60
 # Where a cell is read whose centre is out of view: toward a side, then toward a corner, but not so
-# far that its neighbour shows at the scale that cells are read at.
+# far that its neighbour shows at the scale that cells are read at. Close to the ground such cells
+# are a third of all.
 _OFF_CENTRE = 0.2 * np.array(
     [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]], float
 )
@@ -105,10 +106,9 @@ def read_cells(
         return None
     first = np.array([columns[0], rows[0]]) + 0.5
     xy = _centres(to_pixels, first, shape)
-    seen = _within(pyramid, xy, 0.0)
+    seen = kernels_cells.bring_into_view(xy, pyramid.width, pyramid.height, _OFF_CENTRE)
     if not seen.any():
         return None
-    _reach_in(pyramid, to_pixels, first, xy, seen)
     kernels_cells.leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
     width = kernels_cells.width_px(xy, seen)
     level = max(0, math.floor(math.log2(max(width / _READING_WIDTH, 1.0))))
@@ -127,36 +127,6 @@ def _centres(to_pixels: ToPixels, first: Array, shape: tuple[int, int]) -> Array
     nodes = np.stack(np.meshgrid(first[0] + c, first[1] + r), axis=-1)
     at = to_pixels(nodes.reshape(-1, 2)).reshape(nodes.shape)
     return at if every == 1 else kernels_cells.spread(at, every, shape)
-
-
-def _within(pyramid: Pyramid, xy: Array, margin: float) -> NDArray[np.bool_]:
-    """Which pixels (…, 2) lie in the frame or this far from it; none that are NaN do."""
-    with np.errstate(invalid="ignore"):
-        x, y = xy[..., 0], xy[..., 1]
-        last_x, last_y = pyramid.width - 1 + margin, pyramid.height - 1 + margin
-        return np.asarray((x >= -margin) & (y >= -margin) & (x <= last_x) & (y <= last_y))
-
-
-def _reach_in(
-    pyramid: Pyramid, to_pixels: ToPixels, first: Array, xy: Array, seen: NDArray[np.bool_]
-) -> None:
-    """Read cells cut by the frame's edge off their centre, where a part of them is in view.
-
-    Changes ``xy`` and ``seen``. Close to the ground such cells are a third of all.
-    """
-    from padstudio.vision import kernels_cells
-
-    edge = _within(pyramid, xy, kernels_cells.width_px(xy, seen)) & ~seen
-    rows, cols = np.nonzero(edge)
-    if not len(rows):
-        return
-    tried = first + np.column_stack([cols, rows])[:, None] + _OFF_CENTRE
-    at = to_pixels(tried.reshape(-1, 2)).reshape(tried.shape)
-    here = _within(pyramid, at, 0.0)
-    choice = here.argmax(axis=1)
-    found = here.any(axis=1)
-    xy[rows[found], cols[found]] = at[found, choice[found]]
-    seen[rows[found], cols[found]] = True
 
 
 def _relative(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.float32]:

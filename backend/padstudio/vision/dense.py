@@ -15,6 +15,7 @@ from padstudio.vision.answer import of_measurement, of_whole_sign, unfit
 from padstudio.vision.choose import choose
 from padstudio.vision.decode import LayerIndex
 from padstudio.vision.diagnosis import Suspect, diagnose
+from padstudio.vision.evidence import Evidence
 from padstudio.vision.explain import explain
 from padstudio.vision.far import (
     WholeSign,
@@ -51,6 +52,8 @@ _BETTER_MATCH = 0.97
 _FAR_SIDE_PX = 800
 # While following, layers with cells of this width and number must agree.
 _READABLE_PX, _ENOUGH = 5.0, 30
+# Where so many cells of the measured layer agree, a lock cannot have slipped.
+_SURE_BOUND, _SURE_SKILL = -30.0, 0.8
 
 
 class Dense:
@@ -204,13 +207,17 @@ class Dense:
     def _judge(
         self, refiner: Refiner, measurement: Measurement | None, recorder: Recorder
     ) -> tuple[Detection, list[LayerRead]]:
-        """Read all cells with the refined pose; give it only where they agree with the pad."""
+        """Read cells with the refined pose; give it only where they agree with the pad.
+
+        Layers besides the measured one are read where that leaves a doubt.
+        """
         failure = unfit(measurement)
         if failure is not None or measurement is None:
             recorder.note("pose", None, failure)
             return Detection(None, failure), []
         reads = [measurement.read]
-        for layer in self.pad.layers:
+        sure = self._is_sure(refiner, measurement.read.evidence) and not recorder.keep
+        for layer in [] if sure else self.pad.layers:
             if layer is measurement.layer:
                 continue
             read = recorder.run("decode", layer.channel, refiner.read, layer, measurement.fit.pose)
@@ -222,6 +229,13 @@ class Dense:
         if isinstance(choice, StageFailure):
             return Detection(None, choice), reads
         return of_measurement(measurement, choice), reads
+
+    def _is_sure(self, refiner: Refiner, evidence: Evidence) -> bool:
+        """True where the measured layer's cells need no other's to bear them out."""
+        bound = self.params.log10_false_alarm
+        if refiner.attempts:
+            return evidence.suffices(bound)
+        return evidence.suffices(min(bound, _SURE_BOUND), least_skill=_SURE_SKILL)
 
 
 def _best_of(refiner: Refiner, starts: list[MovingPose], good_mm: float) -> Measurement | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.pad.jit import fast_jit
 from padstudio.vision.types import Array
@@ -118,22 +117,6 @@ def project(
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         out[i, 0], out[i, 1], _ = seen_at(x, y, z, pose, matrix, lens, height, still)
     return out
-
-
-@fast_jit
-def between(values: NDArray[np.uint8], step: int, first: int, x: float, y: float) -> float:
-    """Value between four pixels, of one channel as of `padstudio.vision.planes.Window`.
-
-    Column x and row y must be at least 0, and a pixel away from the far ends.
-    """
-    column, row = int(x), int(y)
-    fx, fy = x - column, y - row
-    # Unsigned places are not looked up from the end, which would be asked for at each of them.
-    left, right = np.uintp(column * step + first), np.uintp(column * step + first + step)
-    here, below = np.uintp(row), np.uintp(row + 1)
-    a, b = float(values[here, left]), float(values[below, left])
-    top = a + fx * (values[here, right] - a)
-    return float(top + fy * (b + fx * (values[below, right] - b) - top))
 
 
 @fast_jit

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.jit import fast_jit
-from padstudio.vision.kernels import between, picture, seen_at
+from padstudio.vision.kernels import picture, seen_at
+from padstudio.vision.kernels_pixels import between
 from padstudio.vision.planes import Window
 from padstudio.vision.types import Array
 
@@ -173,6 +174,7 @@ def borders_in_view(
     rows: tuple[int, int],
     cols: tuple[int, int],
     size: Array,
+    levels: int,
     pose: Array,
     matrix: Array,
     lens: Array,
@@ -180,25 +182,32 @@ def borders_in_view(
     still: bool,
     width: int,
     most: int,
-) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
+) -> tuple[Array, Array, Array, Array]:
     """Borders of a part of a field that lie in the frame, at most so many, evenly spread.
 
-    ``size`` holds a cell's sides and the pad's, mm. Returns where they lie on the pad (M, 2), the
-    change of level over each, and whether it is upright.
+    ``size`` holds a cell's sides and the pad's, mm. Returns what
+    `padstudio.vision.borders.Borders` holds.
     """
     camera = (pose, matrix, lens, height, still)
     edges = 2 * max(rows[1] - rows[0], 0) * max(cols[1] - cols[0], 0)
     stride = max(1, edges // _POLLED)
-    polled = len(every_border(field, rows, cols, size, camera, width, stride)[1])
+    polled = len(every_border(field, rows, cols, size, camera, width, stride))
     stride = max(1, int(0.9 * stride * polled / most))
     # Columns must not be met in step with their number.
     while math.gcd(stride, cols[1] - cols[0]) > 1:
         stride -= 1
-    points, change, upright = every_border(field, rows, cols, size, camera, width, stride)
-    if len(change) <= most:
-        return points, change, upright
-    kept = np.arange(most) * len(change) // most
-    return points[kept], change[kept], upright[kept]
+    found = every_border(field, rows, cols, size, camera, width, stride)
+    count = min(len(found), most)
+    points, across, along = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
+    step = np.empty(count)
+    for i in range(count):
+        points[i, 0], points[i, 1], change, upright = found[i * len(found) // count]
+        step[i] = change / (levels - 1)
+        if upright:
+            across[i, 0], along[i, 1] = size[0], -size[1] / 2
+        else:
+            across[i, 1], along[i, 0] = -size[1], size[0] / 2
+    return points, across, along, step
 
 
 @fast_jit
@@ -210,12 +219,16 @@ def every_border(
     camera: tuple[Array, Array, Array, int, bool],
     width: int,
     stride: int,
-) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
-    """Of each ``stride``-th edge of a field's cells the borders in view; as `borders_in_view`."""
+) -> Array:
+    """Of each ``stride``-th edge of a field's cells the borders that lie in the frame.
+
+    Rows (M, 4): where the border lies on the pad, mm, the change of level over it, and whether it
+    is upright.
+    """
     pose, matrix, lens, height, still = camera
     across = cols[1] - cols[0]
     most = 2 * ((rows[1] - rows[0]) * across // stride + 1) if across > 0 else 0
-    points, change, upright = np.empty((most, 2)), np.empty(most, np.intp), np.empty(most, np.bool_)
+    out = np.empty((most, 4))
     found = 0
     for kind in (True, False):
         r, c = rows[0], cols[0] - stride
@@ -227,14 +240,13 @@ def every_border(
                 break
             if c + kind >= cols[1]:
                 continue
-            step = np.intp(field[r + (not kind), c + kind]) - np.intp(field[r, c])
-            if step == 0:
+            change = np.intp(field[r + (not kind), c + kind]) - np.intp(field[r, c])
+            if change == 0:
                 continue
             x = (c + (1.0 if kind else 0.5)) * size[0] - size[2] / 2
             y = size[3] / 2 - (r + (0.5 if kind else 1.0)) * size[1]
             px, py, _ = seen_at(x, y, 0.0, pose, matrix, lens, height, still)
             if px > 1 and py > 1 and px < width - 2 and py < height - 2:
-                points[found, 0], points[found, 1] = x, y
-                change[found], upright[found] = step, kind
+                out[found, 0], out[found, 1], out[found, 2], out[found, 3] = x, y, change, kind
                 found += 1
-    return points[:found], change[:found], upright[:found]
+    return out[:found]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.jit import fast_jit
-from padstudio.vision.kernels import between
+from padstudio.vision.kernels_pixels import between
 from padstudio.vision.planes import Window
 from padstudio.vision.types import Array
 
@@ -52,6 +52,40 @@ def spread(nodes: Array, every: int, shape: tuple[int, int]) -> Array:
                 low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
                 out[r, c, axis] = top * (1 - fr) + low * fr
     return out
+
+
+@fast_jit
+def bring_into_view(xy: Array, width: int, height: int, off_centre: Array) -> NDArray[np.bool_]:
+    """Which cells (R, C, 2) are seen; those cut by the frame's edge are moved to where they show.
+
+    ``off_centre`` (N, 2) holds the places of a cell to try, in cells along columns and rows.
+    """
+    rows, cols = xy.shape[:2]
+    seen = np.zeros((rows, cols), np.bool_)
+    moved = np.empty((rows, cols, 2))
+    for r in range(rows):
+        for c in range(cols):
+            x, y = xy[r, c, 0], xy[r, c, 1]
+            seen[r, c] = 0 <= x <= width - 1 and 0 <= y <= height - 1
+            moved[r, c, 0], moved[r, c, 1] = x, y
+            if seen[r, c] or min(rows, cols) < 2:
+                continue
+            right, below = c - 1 if c + 1 == cols else c, r - 1 if r + 1 == rows else r
+            ax, ay = xy[r, right + 1, 0] - xy[r, right, 0], xy[r, right + 1, 1] - xy[r, right, 1]
+            bx, by = xy[below + 1, c, 0] - xy[below, c, 0], xy[below + 1, c, 1] - xy[below, c, 1]
+            # Few cells lie within one of the frame, and none that are NaN do.
+            reach_x, reach_y = abs(ax) + abs(bx), abs(ay) + abs(by)
+            near_x = -reach_x <= x <= width - 1 + reach_x
+            if not (near_x and -reach_y <= y <= height - 1 + reach_y):
+                continue
+            for across, down in off_centre:
+                px, py = x + across * ax + down * bx, y + across * ay + down * by
+                if 0 <= px <= width - 1 and 0 <= py <= height - 1:
+                    seen[r, c] = True
+                    moved[r, c, 0], moved[r, c, 1] = px, py
+                    break
+    xy[:] = moved
+    return seen
 
 
 @fast_jit

@@ -282,3 +282,44 @@ def fit_points(
         if gained <= 1e-12 * error:
             break
     return error, rotation, centre
+
+
+@fast_jit
+def fit_mirrored(
+    points: Array, rotation: Array, centre: Array, most_steps: int
+) -> tuple[float, Array]:
+    """The other planar pose that explains points as a pose shows them: sum of squares, rotation.
+
+    It is sought from the plane mirrored about the line of sight to the points' middle. Where there
+    is no other one the sum is infinite, and the rotation that of the mirrored plane.
+    """
+    rays, middle = np.empty((len(points), 2)), np.zeros(3)
+    seen, sight = np.zeros(3), np.zeros(3)
+    for i in range(len(points)):
+        for k in range(3):
+            seen[k] = 0.0
+            for j in range(3):
+                seen[k] += (points[i, j] - centre[j]) * rotation[j, k]
+            sight[k] += seen[k] / len(points)
+            middle[k] += points[i, k] / len(points)
+        rays[i, 0], rays[i, 1] = seen[0] / seen[2], seen[1] / seen[2]
+    distance = math.sqrt((sight * sight).sum())
+    normal, sight = rotation[2].copy(), sight / distance
+    axis = np.array(
+        [
+            normal[1] * sight[2] - normal[2] * sight[1],
+            normal[2] * sight[0] - normal[0] * sight[2],
+            normal[0] * sight[1] - normal[1] * sight[0],
+        ]
+    )
+    sine = math.sqrt((axis * axis).sum())
+    # Twice the angle between them; a plane seen straight on is its own mirror image.
+    turn = 2 * math.atan2(sine, -(normal * sight).sum())
+    other = turned(rotation, axis * (turn / max(sine, 1e-12)))
+    start = np.empty(3)
+    for k in range(3):
+        start[k] = middle[k] - distance * (other[k] * sight).sum()
+    squares, found, place = fit_points(points, rays, other, start, most_steps)
+    if not squares < np.inf or place[2] <= 0:
+        return np.inf, other
+    return squares, found

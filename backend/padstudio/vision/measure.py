@@ -36,8 +36,8 @@ _NEAR_BY = 25
 _DECIDING = 800
 # Borders this near to their prediction, in cells, need not be measured again to settle.
 _SETTLED = 0.1
-# Expectations this near, in cells, need no coarser layer's help.
-_WITHIN = 0.2
+# Expectations this near, in cells, need no coarser layer's help, and no first look.
+_WITHIN, _HERE = 0.2, 0.05
 # Residuals this small, in cells, need no motion to be brought nearer.
 _QUIET = 0.05
 
@@ -168,7 +168,9 @@ class Refiner:
             if rung is not None:
                 if self.is_far(rung) or miss_px > _WITHIN * rung.cell_px:
                     return None
-                return self.polish([self._looked_at(rung, 1)])
+                return self.polish(
+                    [self._looked_at(rung, 1 if miss_px > _HERE * rung.cell_px else 0)]
+                )
         return None
 
     def _rung(self, layer: Layer, pose: MovingPose) -> Rung | None:

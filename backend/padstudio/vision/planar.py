@@ -86,27 +86,18 @@ def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
     sigma : float
         Standard deviation of the pattern, on the plane z = 1.
     """
-    seen = (points_mm - pose.position_mm) @ pose.rotation
-    rays = seen[:, :2] / seen[:, 2:]
-    _, other = least_squares(points_mm, rays, mirrored(pose, points_mm.mean(axis=0)))
-    if rotation_angle_deg(pose.rotation, other.rotation) <= _ALIKE_DEG:
+    from padstudio.vision import kernels_fit
+
+    squares, rotation = kernels_fit.fit_mirrored(
+        np.ascontiguousarray(points_mm, float),
+        np.ascontiguousarray(pose.rotation),
+        pose.position_mm,
+        _MOST_STEPS,
+    )
+    if rotation_angle_deg(pose.rotation, rotation) <= _ALIKE_DEG:
         return 0.0
-    shown = (points_mm - other.position_mm) @ other.rotation
-    away = float(np.sqrt(((shown[:, :2] / shown[:, 2:] - rays) ** 2).sum(axis=1).mean()))
+    away = float(np.sqrt(squares / len(points_mm)))
     return sigma / float(np.hypot(sigma, away)) if sigma + away > 0 else 0.0
-
-
-def mirrored(pose: Pose, point_mm: Array) -> Pose:
-    """The pose that shows the plane mirrored about the line of sight to a point of it."""
-    seen = (point_mm - pose.position_mm) @ pose.rotation
-    sight = seen / np.linalg.norm(seen)
-    normal = pose.rotation[2]
-    axis = np.cross(normal, sight)
-    # Twice the angle between them; a plane seen straight on is its own mirror image.
-    turn = 2 * np.arctan2(np.linalg.norm(axis), -normal @ sight)
-    axis = -axis / max(float(np.linalg.norm(axis)), 1e-12)
-    tilted = np.asarray(cv2.Rodrigues(turn * axis)[0], float) @ pose.rotation.T
-    return Pose.from_T_camera_pad(tilted, seen - tilted @ point_mm)
 
 
 def _closed_form(points_mm: Array, rays: Array) -> list[Pose]:

@@ -167,6 +167,11 @@ class Pyramid:
         rows = image.reshape(height, 3 * width)
         return Window(rows, NO_COLOURS, width, 2.0**level, 3, BGR_INDEX[channel])
 
+    @property
+    def brightness(self) -> Window:
+        """Brightness at the frame's own scale, or the channel that is nearest to it."""
+        return self.window("green", 0)
+
     def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
         """One channel's grey values (N,) at some of the frame's pixels (N, 2)."""
         values = self.level(0)[xy[:, 1], xy[:, 0], BGR_INDEX[channel]]

@@ -12,7 +12,7 @@ from padstudio.pad.crosstalk import Matrix
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.crosstalk import unmix
 from padstudio.vision.params import PrepareParams
-from padstudio.vision.planes import BGR_INDEX, Box, Plane, Pyramid
+from padstudio.vision.planes import BGR_INDEX, Box, Plane, Pyramid, Window
 from padstudio.vision.recorder import Recorder
 from padstudio.vision.types import Image
 from padstudio.vision.yuv import YuvFrame, YuvPyramid
@@ -24,7 +24,8 @@ _LEAST_RANGE = 12.0
 _STATISTICS_WIDTH = 400
 # A pixel is an impulse when it is this far from its neighbours' median and nearly black or white.
 _IMPULSE_STEP, _BLACK, _WHITE = 60, 8, 247
-_SAMPLE = 128
+_SAMPLE = 96
+_SAMPLED = np.array([[0.5, 0.5], [0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]])
 
 
 @dataclass(frozen=True)
@@ -108,32 +109,24 @@ def find_stretch(pyramid: Pyramid) -> Stretch:
     )
 
 
-def find_denoise(image: Image | YuvFrame, threshold: float) -> Denoise:
+def find_denoise(brightness: Window, threshold: float) -> Denoise:
     """Measure salt and pepper in five samples of a frame.
 
     Parameters
     ----------
-    image : (H, W, 3) uint8 or YuvFrame
+    brightness : Window
+        At the frame's own scale.
     threshold : float
         Share of impulses from which the median is worth its time.
     """
-    h, w = image.shape[:2]
+    from padstudio.vision import kernels_pixels
+
+    h, w = len(brightness.values), brightness.width
     size = min(_SAMPLE, h, w)
-    found = total = 0
-    for fy, fx in ((0.5, 0.5), (0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)):
-        y, x = int(fy * (h - size)), int(fx * (w - size))
-        if isinstance(image, YuvFrame):
-            part = image.grey(y, x, size)
-        else:
-            part = np.ascontiguousarray(image[y : y + size, x : x + size, 1])
-        middle = cv2.medianBlur(part, 3)
-        _, stands_out = cv2.threshold(
-            cv2.absdiff(part, middle), _IMPULSE_STEP, 255, cv2.THRESH_BINARY
-        )
-        extreme = cv2.bitwise_not(cv2.inRange(part, _BLACK + 1, _WHITE - 1))
-        found += cv2.countNonZero(cv2.bitwise_and(stands_out, extreme))
-        total += part.size
-    share = found / total
+    corners = (_SAMPLED * [w - size, h - size]).astype(np.intp)
+    limits = (float(_BLACK), float(_WHITE), float(_IMPULSE_STEP))
+    found = kernels_pixels.impulses(brightness, corners, size, *limits)
+    share = found / (len(corners) * (size - 2) ** 2)
     return Denoise(share, share > threshold)
 
 
@@ -160,13 +153,12 @@ def prepare(
     recorder : Recorder
         Keeps the stages `denoise` and `unmix`.
     """
-    denoise = recorder.run("denoise", None, find_denoise, image, params.impulse_share)
+    pyramid = YuvPyramid(image) if isinstance(image, YuvFrame) else Pyramid(image)
+    denoise = recorder.run("denoise", None, find_denoise, pyramid.brightness, params.impulse_share)
     mixed = pad.crosstalk is not None and params.unmix
-    if isinstance(image, YuvFrame):
-        if not (denoise.applied or mixed or recorder.keep):
-            return YuvPyramid(image)
-        image = image.bgr
-    frame = denoised(image, denoise)
+    if not (denoise.applied or mixed or recorder.keep):
+        return pyramid
+    frame = denoised(pyramid.level(0), denoise)
     if pad.crosstalk is not None and params.unmix:
         frame = recorder.run("unmix", None, take_apart, frame, pad.crosstalk).image
     return Pyramid(frame)

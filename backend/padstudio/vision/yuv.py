@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.spec import Channel
-from padstudio.vision.planes import Pyramid, Window, halved
+from padstudio.vision.planes import NO_COLOURS, Pyramid, Window, halved
 from padstudio.vision.types import Image
 
 Standard = Literal["bt601", "bt709"]
@@ -66,12 +65,6 @@ class YuvFrame:
     def gain(self) -> tuple[float, float]:
         """Grey values per unit of brightness, and the brightness of black."""
         return (1.0, 0.0) if self.full_range else (255 / 219, 16.0)
-
-    def grey(self, y0: int, x0: int, size: int) -> Image:
-        """Brightness of a square of the frame, 0 … 255, (size, size) uint8."""
-        scale, black = self.gain
-        part = self.y[y0 : y0 + size, x0 : x0 + size]
-        return np.asarray(cv2.addWeighted(part, scale, part, 0, -scale * black), np.uint8)
 
 
 class YuvPyramid(Pyramid):
@@ -123,6 +116,13 @@ class YuvPyramid(Pyramid):
             scale=1.0 if level else 0.5,
             shift=0.0 if level else -0.25,
         )
+
+    @property
+    def brightness(self) -> Window:
+        """As of `Pyramid`."""
+        gain, black = self._frame.gain
+        values = self._frame.y
+        return Window(values, NO_COLOURS, self.width, 1.0, gain=gain, black=-gain * black)
 
     def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
         """As of `Pyramid`."""
