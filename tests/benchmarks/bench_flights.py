@@ -3,9 +3,10 @@
 
     bench_flights.py [VIDEO CAMERA PAD] [--workers N] [--repeat N] [--json FILE]
 
-Both run the same chunks in the same worker processes, in turns, warm. Bare decoding decodes every
-frame to BGR and drops it; the flight finds the pad in each. CPU time a frame is told too, as it
-does not suffer from other work on the machine, and the workers' memory first and last.
+The flight is the video again and again in one file. All run the same chunks in the same worker
+processes, in turns, warm. Bare decoding decodes every frame and drops it, once as a picture (BGR),
+once as the decoder leaves it, in planes; the flight finds the pad in each. CPU time a frame is told
+too, as it does not suffer from other work on the machine, and the workers' memory first and last.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import queue
 import resource
 import statistics
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+from looped import looped
 
 from padstudio.flights.detectors import Recipe
 from padstudio.flights.engine import Engine, EngineOptions
@@ -48,14 +51,18 @@ class Cost:
 
 @dataclass(frozen=True)
 class Decode:
-    """Decodes a chunk's frames to BGR."""
+    """Decodes a chunk's frames, to BGR or as they lie in the decoder's memory."""
 
     part: VideoPart
+    to_bgr: bool
 
     def run(self, stopped: Callable[[], bool]) -> Cost:
         cv2.setNumThreads(1)
         start = time.process_time()
-        frames = sum(picture.bgr is not None for picture in self.part.read(MAX_PIXELS))
+        frames = sum(
+            (picture.bgr if self.to_bgr else picture.frame) is not None
+            for picture in self.part.read(MAX_PIXELS)
+        )
         return Cost(frames, 0, time.process_time() - start, _peak_mb())
 
 
@@ -77,8 +84,8 @@ def _peak_mb() -> float:
     return peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 
-def chunks_of(video: Path, camera: Path, pad: Path, repeat: int) -> list[FramesTask]:
-    """The tasks of a flight of one video, flown several times."""
+def chunks_of(video: Path, camera: Path, pad: Path) -> list[FramesTask]:
+    """The tasks of a flight of one video."""
     recipe = Recipe(pad.read_text(encoding="utf-8"), camera.read_text(encoding="utf-8"))
     plan = PlanTask(
         files=(SourceFile("", "video", video.name, str(video.resolve())),),
@@ -91,11 +98,10 @@ def chunks_of(video: Path, camera: Path, pad: Path, repeat: int) -> list[FramesT
         max_pixels=MAX_PIXELS,
         max_frames=2_000_000,
     ).run(lambda: False)
-    tasks = [
+    return [
         FramesTask(recipe, chunk.first_frame, 1, video_part(plan.sources[0], chunk.pts), MAX_PIXELS)
         for chunk in plan.chunks
     ]
-    return tasks * repeat
 
 
 def run(engine: Engine, tasks: list[Task], name: str) -> tuple[float, list[Cost]]:
@@ -116,9 +122,11 @@ def run(engine: Engine, tasks: list[Task], name: str) -> tuple[float, list[Cost]
 
 
 def measure(engine: Engine, chunks: list[FramesTask], rounds: int) -> dict[str, Any]:
-    """Medians over rounds of both kinds of work in turns."""
+    """Medians over rounds of all kinds of work in turns."""
+    parts = [chunk.part for chunk in chunks if isinstance(chunk.part, VideoPart)]
     kinds: dict[str, list[Task]] = {
-        "decoding": [Decode(chunk.part) for chunk in chunks if isinstance(chunk.part, VideoPart)],
+        "decoding": [Decode(part, to_bgr=True) for part in parts],
+        "planes": [Decode(part, to_bgr=False) for part in parts],
         "flight": [Detect(chunk) for chunk in chunks],
     }
     figures: dict[str, list[tuple[float, float]]] = {kind: [] for kind in kinds}
@@ -131,12 +139,13 @@ def measure(engine: Engine, chunks: list[FramesTask], rounds: int) -> dict[str, 
             # The first round warms up imports, tables and the file's pages.
             if number:
                 figures[kind].append((frames / seconds, cpu_ms))
-    report: dict[str, Any] = {"frames": sum(cost.frames for cost in costs)}
+    report: dict[str, Any] = {"chunks": len(chunks), "frames": sum(cost.frames for cost in costs)}
     report["poses"] = sum(cost.ok for cost in costs)
     for kind, found in figures.items():
         report[f"{kind}_fps"] = statistics.median(fps for fps, _ in found)
         report[f"{kind}_cpu_ms"] = statistics.median(cpu for _, cpu in found)
     report["share_of_decoding"] = report["flight_fps"] / report["decoding_fps"]
+    report["share_of_planes"] = report["flight_fps"] / report["planes_fps"]
     report["share_of_decoding_cpu"] = report["decoding_cpu_ms"] / report["flight_cpu_ms"]
     report["worker_peak_mb"] = [costs[0].peak_mb, costs[-1].peak_mb]
     return report
@@ -148,14 +157,16 @@ def main() -> int:
     parser.add_argument("camera", nargs="?", type=Path, default=FOOTAGE / "camera_drone_2k7.yaml")
     parser.add_argument("pad", nargs="?", type=Path, default=FOOTAGE / "pad_a.json")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--repeat", type=int, default=2, help="times that the video is flown")
+    parser.add_argument("--repeat", type=int, default=10, help="how often the video is flown")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--json", type=Path, help="write the figures to this file")
     given = parser.parse_args()
-    chunks = chunks_of(given.video, given.camera, given.pad, given.repeat)
     engine = Engine(EngineOptions(workers=given.workers))
     try:
-        report = {"workers": given.workers, **measure(engine, chunks, given.rounds)}
+        with tempfile.TemporaryDirectory() as folder:
+            video = looped(given.video, Path(folder) / "flight.mp4", times=given.repeat)
+            chunks = chunks_of(video, given.camera, given.pad)
+            report = {"workers": given.workers, **measure(engine, chunks, given.rounds)}
     finally:
         engine.close()
     for name, value in report.items():

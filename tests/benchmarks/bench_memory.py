@@ -16,32 +16,12 @@ import tempfile
 import time
 from pathlib import Path
 
-import av
 import httpx
 import psutil
+from looped import looped
 from studio_server import LANDING, OPEN, order, serving
 
 LINES = 12
-
-
-def loop(target: Path, minutes: float) -> Path:
-    """Write the landing again and again until it is so long."""
-    with av.open(str(LANDING)) as source, av.open(str(target), "w") as container:
-        stream = source.streams.video[0]
-        copy = container.add_stream_from_template(stream)
-        assert stream.duration is not None
-        assert stream.time_base is not None
-        times = round(60 * minutes / float(stream.duration * stream.time_base))
-        for place in range(times):
-            source.seek(0)
-            for packet in source.demux(stream):
-                if packet.pts is None or packet.dts is None:
-                    continue
-                packet.pts += place * stream.duration
-                packet.dts += place * stream.duration
-                packet.stream = copy
-                container.mux(packet)
-    return target
 
 
 def workers_mb(server: psutil.Process) -> list[float]:
@@ -83,7 +63,7 @@ def main() -> None:
         tempfile.TemporaryDirectory() as folder,
         serving(Path(folder) / "data") as (client, server),
     ):
-        video = loop(Path(folder) / "long.mp4", given.minutes)
+        video = looped(LANDING, Path(folder) / "long.mp4", minutes=given.minutes)
         (flight,) = order(client, video, stride=given.stride)
         looks = watch(client, server, flight)
     largest = max(looks, key=lambda look: look["worker_mb"])

@@ -19,6 +19,7 @@ ToPixels = Callable[[Array], Array]
 
 # Cells are read at the level where they are at least this wide, pixels.
 _READING_WIDTH = 3.0
+_LEAST_SIDE = 4
 # Under tilt cells narrower than this are left to the horizon, where enough others are wider.
 _LEAST_WIDTH, _ENOUGH = 2.0, 60
 # Where a cell is read whose centre is out of view: toward a side, then toward a corner, but not so
@@ -111,7 +112,9 @@ def read_cells(
         return None
     kernels_cells.leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
     width = kernels_cells.width_px(xy, seen)
-    level = max(0, math.floor(math.log2(max(width / _READING_WIDTH, 1.0))))
+    # A cell as wide as the frame is read at a scale that still has pixels to look between.
+    widest = min(width, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
+    level = math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
     values = kernels_cells.sample(pyramid.window(channel, level), xy, seen)
     relative = _relative(values, seen)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.spec import Channel
-from padstudio.vision.planes import NO_COLOURS, Pyramid, Window, halved
+from padstudio.vision.planes import NO_COLOURS, Pyramid, Window
 from padstudio.vision.types import Image
 
 Standard = Literal["bt601", "bt709"]
@@ -143,8 +143,15 @@ class YuvPyramid(Pyramid):
         return gain, -gain * black - 128 * weight, weight
 
     def _half(self, name: str, times: int) -> Image:
+        from padstudio.vision import kernels_pixels
+
         made = self._halves[name]
-        while len(made) <= times:
+        # Halving streams through a plane, so that those who look here and there find it in the
+        # cache; and what is halved once more is asked for later.
+        while len(made) <= times + 1:
             first = self.width if name == "y" else -(-self.width // 2)
-            made.append(halved(made[-1][:, :first] if len(made) == 1 else made[-1]))
+            width = first if len(made) == 1 else made[-1].shape[1]
+            if min(len(made[-1]), width) < 2:
+                break
+            made.append(kernels_pixels.halved(made[-1], width))
         return made[times]
