@@ -65,8 +65,9 @@ def of_measurement(measurement: Measurement, choice: Choice) -> Detection:
 
 def _ambiguity(measurement: Measurement) -> float:
     points = measurement.measured.borders.points_mm
-    low, high = points.min(axis=0), points.max(axis=0)
-    corners = np.array([[x, y, 0.0] for x in (low[0], high[0]) for y in (low[1], high[1])])
+    x, y = points[:, 0], points[:, 1]
+    ends = (x.min(), x.max()), (y.min(), y.max())
+    corners = np.array([[x, y, 0.0] for x in ends[0] for y in ends[1]])
     sigma_px = measurement.fit.rms_px / np.sqrt(max(len(points), 1))
     sigma = float(sigma_px) / measurement.camera.focal_px
     return ambiguity(measurement.fit.pose.pose, corners, sigma)

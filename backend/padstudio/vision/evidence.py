@@ -60,10 +60,11 @@ def judge(
     places : int
         Places and turns among which this one is the best.
     """
-    both = (levels >= 0) & (expected >= 0)
-    read = int(both.sum())
-    agree = int((levels[both] == expected[both]).sum())
-    chance = _chance(expected[both], count)
+    from padstudio.vision import kernels_cells
+
+    agree, frequency = kernels_cells.compare(levels, expected, count)
+    read = int(frequency.sum())
+    chance = _chance(frequency, count)
     return Evidence(
         read=read,
         wrong=read - agree,
@@ -72,12 +73,10 @@ def judge(
     )
 
 
-def _chance(expected: NDArray[np.int8], count: int) -> float:
+def _chance(frequency: NDArray[np.intp], count: int) -> float:
     """Agreement of independent levels as frequent as those expected, at least 1/Y."""
-    if not expected.size:
-        return 1 / count
-    share = np.bincount(expected, minlength=count) / expected.size
-    return float(min(max((share**2).sum(), 1 / count), 0.95))
+    read = max(int(frequency.sum()), 1)
+    return float(min(max(((frequency / read) ** 2).sum(), 1 / count), 0.95))
 
 
 def _log10_bound(read: int, agree: int, chance: float, places: int) -> float:

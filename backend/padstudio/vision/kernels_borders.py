@@ -91,6 +91,28 @@ def find_step(
 
 
 @fast_jit
+def sides_of(
+    at: tuple[float, float, float],
+    along: tuple[float, float],
+    across: tuple[float, float],
+    s: float,
+    pose: Array,
+    matrix: Array,
+    lens: Array,
+) -> tuple[float, float, float, float, float]:
+    """A border's picture at a moment: along it by half a cell, its normal, and a cell's depth."""
+    x, y, z = at
+    ox, oy = picture(x, y, z, s, pose, matrix, lens)
+    tx, ty = picture(x + 0.2 * along[0], y + 0.2 * along[1], z, s, pose, matrix, lens)
+    cx, cy = picture(x + 0.05 * across[0], y + 0.05 * across[1], z, s, pose, matrix, lens)
+    tx, ty, cx, cy = 5 * (tx - ox), 5 * (ty - oy), 20 * (cx - ox), 20 * (cy - oy)
+    length = max(math.hypot(tx, ty), 1e-9)
+    nx, ny = -ty / length, tx / length
+    depth = nx * cx + ny * cy
+    return (tx, ty, nx, ny, depth) if depth >= 0 else (tx, ty, -nx, -ny, -depth)
+
+
+@fast_jit
 def find_borders(
     points: Array,
     along: Array,
@@ -110,24 +132,17 @@ def find_borders(
     xy, weight, normals = np.empty((len(points), 2)), np.empty(len(points)), np.empty_like(points)
     found, pixel, profile = 0, window.pixel, np.empty(_STEPS)
     for i in range(len(points)):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        px, py, s = seen_at(x, y, z, pose, matrix, lens, height, still)
+        at = (points[i, 0], points[i, 1], points[i, 2])
+        px, py, s = seen_at(*at, pose, matrix, lens, height, still)
         lx, ly = (px + 0.5) / pixel - 0.5, (py + 0.5) / pixel - 0.5
         if not (lx > 0 and ly > 0 and lx < w and ly < h):
             continue
-        # The same moment for all three: what one step changes of it is next to nothing.
+        # The same moment for all of it: what one step changes of that is next to nothing.
         s = 0.0 if still else s
-        ox, oy = picture(x, y, z, s, pose, matrix, lens)
-        tx, ty = picture(x + 0.2 * along[i, 0], y + 0.2 * along[i, 1], z, s, pose, matrix, lens)
-        cx, cy = picture(x + 0.05 * across[i, 0], y + 0.05 * across[i, 1], z, s, pose, matrix, lens)
-        tx, ty, cx, cy = 5 * (tx - ox), 5 * (ty - oy), 20 * (cx - ox), 20 * (cy - oy)
-        length = max(math.hypot(tx, ty), 1e-9)
-        nx, ny = -ty / length, tx / length
-        depth = nx * cx + ny * cy
-        if depth < 0:
-            nx, ny, depth = -nx, -ny, -depth
+        beside, behind = (along[i, 0], along[i, 1]), (across[i, 0], across[i, 1])
+        tx, ty, nx, ny, depth = sides_of(at, beside, behind, s, pose, matrix, lens)
         reach = min(reach_px * pixel, _MOST_REACH * depth)
-        rim = math.hypot(reach, _BESIDE * length) / pixel + 1
+        rim = math.hypot(reach, _BESIDE * math.hypot(tx, ty)) / pixel + 1
         if not (lx > rim and ly > rim and lx < w - 1 - rim and ly < h - 1 - rim):
             continue
         shift, rise, spent = find_step(

@@ -128,3 +128,20 @@ def leave_out_small(xy: Array, seen: NDArray[np.bool_], least_px: float, enough:
     for r in range(rows):
         for c in range(cols):
             seen[r, c] = seen[r, c] and wide[min(r, max(rows - 2, 0)), min(c, max(cols - 2, 0))]
+
+
+@fast_jit
+def compare(
+    levels: NDArray[np.int8], expected: NDArray[np.int8], count: int
+) -> tuple[int, NDArray[np.intp]]:
+    """How many of the cells (R, C) read and expected agree, and how often each level is expected.
+
+    Cells of a negative level in either do not count.
+    """
+    agree, frequency = 0, np.zeros(count, np.intp)
+    for r in range(levels.shape[0]):
+        for c in range(levels.shape[1]):
+            if levels[r, c] >= 0 and expected[r, c] >= 0:
+                frequency[expected[r, c]] += 1
+                agree += levels[r, c] == expected[r, c]
+    return agree, frequency
