@@ -64,7 +64,7 @@ def of_measurement(measurement: Measurement, choice: Choice) -> Detection:
 
 
 def _ambiguity(measurement: Measurement) -> float:
-    points = measurement.measured.borders.points_mm
+    points = measurement.borders.points_mm
     x, y = points[:, 0], points[:, 1]
     ends = (x.min(), x.max()), (y.min(), y.max())
     corners = np.array([[x, y, 0.0] for x in ends[0] for y in ends[1]])

@@ -188,7 +188,13 @@ class Canvas:
         self._dot(at[0], 6.0, color)
 
     def borders(self, found: Measurement) -> None:
-        """Mark the measured borders, those that count and those that do not."""
+        """Mark the measured borders, those that count and those that do not.
+
+        Where the pattern was matched as a whole, its borders are marked where the pose puts them.
+        """
+        if found.measured is None:
+            self.dots(found.fit.pose.project(found.camera, found.borders.points_mm), SECOND)
+            return
         at = self._at(found.measured.xy)
         for inlier, color in ((False, WRONG), (True, SECOND)):
             for xy in at[found.fit.inliers == inlier]:
@@ -196,7 +202,7 @@ class Canvas:
 
     def axes(self, found: Measurement) -> None:
         """Draw the pad's axes (X red, Y green, Z blue) amid the measured part."""
-        points_mm = found.measured.borders.points_mm
+        points_mm = found.borders.points_mm
         origin = points_mm.mean(axis=0)
         length = 0.4 * max(float(np.ptp(points_mm[:, :2], axis=0).min()), found.layer.cell_mm)
         self._axes(found.fit.pose.project(found.camera, _axes_mm(origin, length)))

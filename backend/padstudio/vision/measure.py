@@ -73,8 +73,10 @@ class Measurement:
     fit : Fit
     layer : Layer
         The finest layer that was measured.
-    measured : Measured
-        Its borders.
+    borders : Borders
+        Its borders in view.
+    measured : Measured or None
+        Those that were found; None where the pattern was matched as a whole.
     camera : Camera
         At the frame's size.
     cell_px : float
@@ -85,7 +87,8 @@ class Measurement:
 
     fit: Fit
     layer: Layer
-    measured: Measured
+    borders: Borders
+    measured: Measured | None
     camera: Camera
     cell_px: float
     read: LayerRead
@@ -166,7 +169,7 @@ class Refiner:
         for layer in sorted(self.pad.layers, key=lambda item: item.cell_mm):
             rung = self._rung(layer, expected)
             if rung is not None:
-                if self.is_far(rung) or miss_px > _WITHIN * rung.cell_px:
+                if miss_px > _WITHIN * rung.cell_px:
                     return None
                 return self.polish(
                     [self._looked_at(rung, 1 if miss_px > _HERE * rung.cell_px else 0)]
@@ -205,13 +208,14 @@ class Refiner:
         """
         for last in range(len(rungs), 0, -1):
             rung = rungs[last - 1]
-            measured = self._measure(rung.layer, rung.borders, rung.pose, rung.cell_px, sharper=1)
-            fit = self._finish(rung, measured)
+            fit, measured = self._finish(rung)
             if fit is None:
                 continue
             read = self.read(rung.layer, fit.pose)
             if read is not None and read.evidence.suffices(0.0):
-                return Measurement(fit, rung.layer, measured, self.camera, rung.cell_px, read)
+                borders = rung.borders if measured is None else measured.borders
+                camera, cell_px = self.camera, rung.cell_px
+                return Measurement(fit, rung.layer, borders, measured, camera, cell_px, read)
         return None
 
     def is_far(self, rung: Rung) -> bool:
@@ -227,24 +231,25 @@ class Refiner:
         pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
         return [*rungs[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
 
-    def _finish(self, rung: Rung, measured: Measured) -> Fit | None:
+    def _finish(self, rung: Rung) -> tuple[Fit | None, Measured | None]:
         """The best pose for a rung: by the whole pattern from afar, else by all borders."""
         if self.is_far(rung):
             fit = self._match(rung)
             # Glare bends the shading beyond what the match allows for; borders bear it.
             if fit is not None and fit.rms_px <= most_residual_px(rung.cell_px):
-                return replace(fit, inliers=np.ones(len(measured.xy), bool))
+                return fit, None
+        measured = self._measure(rung.layer, rung.borders, rung.pose, rung.cell_px, sharper=1)
         rolling = self.params.refine.motion
         if self.motion is not None and rolling:
-            return self._fit(rung.pose, measured, iterations=4)
+            return self._fit(rung.pose, measured, iterations=4), measured
         fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
         if fit is None:
-            return None
+            return None, measured
         motion = not fit.pose.still
         full = fit_pose(
             fit.pose, measured, self.camera, motion=motion, iterations=2, rolling=rolling
         )
-        return replace(full, doubt=fit.doubt) if full else fit
+        return (replace(full, doubt=fit.doubt) if full else fit), measured
 
     def _match(self, rung: Rung) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""

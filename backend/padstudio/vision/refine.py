@@ -52,7 +52,7 @@ class Fit:
     rms_px : float
         Root mean square of the weighted residuals, frame pixels.
     inliers : (N,) bool
-        Which of the measured borders count.
+        Which of the measured borders, or of the matched pixels, count.
     find_covariance : callable
         Makes `covariance`; few fits are ever asked for it.
     doubt : (6,) float64
