@@ -39,7 +39,7 @@ import { makeFlightData } from "./flightData.js";
 import { makeFlightFrames } from "./flightFrames.js";
 import { isOpen } from "./flightLogic.js";
 import * as flightsApi from "./flightsApi.js";
-import { withPreview, withRecord, withStages } from "./flightFrameLogic.js";
+import { hasPicture, withPreview, withRecord, withStages } from "./flightFrameLogic.js";
 import { makeFrameLoader } from "./frameLoader.js";
 import { filterFromText, filterToText } from "./frameTableLogic.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
@@ -113,10 +113,13 @@ const view = makeFlightView(id, {
 const data = makeFlightData(id, { state: () => state, set, columns: () => view.columns() });
 const frames = makeFlightFrames(id, { state: () => state, set });
 const loader = makeFrameLoader(id, {
-  onRecord: (frame, record) => set(withRecord(state, frame, record)),
+  onRecord: (frame, record) => {
+    set(withRecord(state, frame, record));
+    if (record && !hasPicture(record)) playOn();
+  },
   onPreview: (_, url, size) => {
     set(withPreview(state, url, size));
-    if (state.playing) window.setTimeout(play, PLAY_MS);
+    playOn();
   },
   onStages: (frame, stages, size) => set(withStages(state, frame, stages, size)),
   onFault: (frame, error) => {
@@ -185,6 +188,10 @@ async function findFailure(by) {
   } catch (error) {
     set({ status: { kind: "bad", text: api.messageOf(error) } });
   }
+}
+
+function playOn() {
+  if (state.playing) window.setTimeout(play, PLAY_MS);
 }
 
 /** One frame on, as soon as the one before is shown; the next ones' pictures come meanwhile. */

@@ -16,8 +16,16 @@ export function sourceInWords({ source, frame, time_s: time }) {
 }
 
 /**
+ * True where there is a frame to look at: not where it could not be read from its file.
+ * @param {FrameRecord} record
+ */
+export function hasPicture({ stage, reason }) {
+  return stage !== "read" || reason === "internal_error";
+}
+
+/**
  * The state once a frame's result is there. The picture and stages of the frame before stay, marked
- * as stale, so that the page does not jump.
+ * as stale, so that the page does not jump; a frame that was lost shows none.
  * @param {{shown: Frame | null, flight?: import("./flightsApi.js").Flight | null}} state
  * @param {number} frame
  * @param {FrameRecord | null} record  null where the frame has no result
@@ -31,14 +39,16 @@ export function withRecord({ shown, flight }, frame, record) {
     return { shown: { id: name, name, file: null, status, answer: null, message }, stale: false };
   }
   const before = shown?.answer;
+  const isSeen = hasPicture(record);
   const answer = {
     result: record,
     image: before?.image ?? { width: 16, height: 9 },
     camera_scale: 1,
-    trace: before?.trace ?? null,
+    trace: isSeen ? (before?.trace ?? null) : null,
   };
   const name = sourceInWords(record);
-  return { shown: { id: name, name, file: null, status: record.status, answer, message: "" }, stale: true };
+  const shownNow = { id: name, name, file: null, status: record.status, answer, message: "" };
+  return { shown: shownNow, stale: isSeen };
 }
 
 /**

@@ -15,6 +15,7 @@
  */
 
 import { isAbort } from "./api.js";
+import { hasPicture } from "./flightFrameLogic.js";
 import { getStages, listFrames, previewUrl } from "./flightsApi.js";
 
 /** Stages take the server a while: it is not asked for frames that are only passed. */
@@ -27,6 +28,8 @@ const REST_MS = 400;
 export function makeFrameLoader(id, { onRecord, onPreview, onStages, onFault }) {
   /** @type {number | null} */
   let wanted = null;
+  /** @type {number | null}  that there is something to see of */
+  let seen = null;
   let control = new AbortController();
   let timer = 0;
   let busy = false;
@@ -41,7 +44,8 @@ export function makeFrameLoader(id, { onRecord, onPreview, onStages, onFault }) 
       const record = items[0]?.frame === frame ? items[0] : null;
       if (frame !== wanted) return;
       onRecord(frame, record);
-      if (record) void fetchPreview();
+      seen = record && hasPicture(record) ? frame : null;
+      void fetchPreview();
     } catch (error) {
       if (!isAbort(error) && frame === wanted) onFault(frame, error);
     }
@@ -49,7 +53,7 @@ export function makeFrameLoader(id, { onRecord, onPreview, onStages, onFault }) 
 
   /** The newest frame that is wanted; those passed meanwhile are left out. */
   async function fetchPreview() {
-    if (previewing || wanted === null) return;
+    if (previewing || seen === null || seen !== wanted) return;
     previewing = true;
     const frame = wanted;
     const url = previewUrl(id, frame);
@@ -66,7 +70,7 @@ export function makeFrameLoader(id, { onRecord, onPreview, onStages, onFault }) 
 
   /** One at a time: what the server has begun it ends, and a queue of it would make all wait. */
   async function fetchStages() {
-    if (busy || wanted === null) return;
+    if (busy || seen === null || seen !== wanted) return;
     busy = true;
     const frame = wanted;
     try {

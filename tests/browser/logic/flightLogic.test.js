@@ -2,7 +2,7 @@ import {
   differenceInWords, flightNotes, gapInWords, isOpen, isRetryable, progressInWords, rangeInWords, reasonsOf, restInWords,
   summaryFacts,
 } from "/static/js/flightLogic.js";
-import { sourceInWords, withPreview, withRecord, withStages } from "/static/js/flightFrameLogic.js";
+import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flightFrameLogic.js";
 import { bytes, clock, percent } from "/static/js/formatLogic.js";
 import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/orderLogic.js";
 import { contains, equal } from "./check.js";
@@ -97,6 +97,10 @@ export const tests = {
     equal([state.stale, state.shown.answer.trace.stages.length, state.shown.answer.image.width], [false, 1, 80]);
     state = { ...state, ...withRecord(state, 13, { ...record, frame: 13, status: "failed" }) };
     equal([state.stale, state.shown.status, state.shown.answer.trace.result_picture], [true, "failed", "r.webp"]);
+    const lost = { ...record, frame: 14, status: "failed", stage: "read", reason: "frame_lost" };
+    const empty = withRecord(state, 14, lost);
+    equal([hasPicture(record), hasPicture(lost), hasPicture({ ...lost, reason: "internal_error" })], [true, false, true]);
+    equal([empty.stale, empty.shown.status, empty.shown.answer.trace], [false, "failed", null]);
     equal(withRecord({ shown: null, flight: flight() }, 5, null).shown.status, "waiting");
     equal(withRecord({ shown: null, flight: flight({ state: "done" }) }, 5, null).shown.status, "refused");
   },
