@@ -39,7 +39,8 @@ class Sighting:
 class Search:
     """What a search needs to know of its frame; `indices` stand coarse layer first.
 
-    `lattices` gathers what was tried against the pad: each try weakens the evidence of the next.
+    `lattices` gathers what was tried against the pad: each try weakens the evidence of the next;
+    `edges` what was found of a region, at a level and in a channel, for the next round.
     """
 
     pyramid: Pyramid
@@ -49,6 +50,7 @@ class Search:
     params: DetectorParams
     recorder: Recorder
     lattices: list[Lattice] = field(default_factory=list)
+    edges: dict[tuple[Region, int, Channel], EdgeSet] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -75,9 +77,10 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
     """
     nothing = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
     nearest = Miss(nothing, regions[0], 0)
+    looks = list(_looks(regions, frame.params.search))
     for steep in (False, True):
         unsure: list[tuple[Lattice, Region]] = []
-        for region, level in _looks(regions, frame.params.search):
+        for region, level in looks:
             for channel in frame.indices:
                 lattice = find(frame, region, level, channel, steep=steep)
                 if isinstance(lattice, StageFailure):
@@ -133,16 +136,23 @@ def find(
     frame: Search, region: Region, level: int, channel: Channel, *, steep: bool
 ) -> Lattice | StageFailure:
     """Look for a lattice in one channel of one region at one scale."""
-    recorder = frame.recorder
-    plane = recorder.run(
-        "channel", channel, take_channel, frame.pyramid, frame.stretch, channel, level, region.box
-    )
-    edges = recorder.run("edges", channel, _edges_in, plane, frame.camera, region)
+    look = (region, level, channel)
+    if look not in frame.edges:
+        frame.edges[look] = _find_edges(frame, *look)
+    edges = frame.edges[look]
     if len(edges.xy) < frame.params.search.least_edges:
         return StageFailure(
             "edges", Reason.NO_EDGES, f"only {len(edges.xy)} edge points in {channel}"
         )
     return _lattice(frame, edges, channel, steep=steep)
+
+
+def _find_edges(frame: Search, region: Region, level: int, channel: Channel) -> EdgeSet:
+    recorder = frame.recorder
+    plane = recorder.run(
+        "channel", channel, take_channel, frame.pyramid, frame.stretch, channel, level, region.box
+    )
+    return recorder.run("edges", channel, _edges_in, plane, frame.camera, region)
 
 
 def _edges_in(plane: Plane, camera: Camera, region: Region) -> EdgeSet:
