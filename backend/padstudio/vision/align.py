@@ -34,6 +34,8 @@ _ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
 _STEPS = 4
 # A step that is shorter than so many standard deviations, squared, ends the iteration.
 _ROUGHLY_SETTLED, _SETTLED = 0.5, 0.05
+# Brightness terms are held to what they are by this share of what the picture says of them.
+_HELD = 1e-9
 # Residuals beyond so many standard deviations, and grey values, are trusted little.
 _TRUSTED, _LEAST_SCALE = 3.0, 0.3
 
@@ -74,9 +76,9 @@ class _Equations:
         variance = max(squares / weights, 1e-9)
         across, total = normal[:size, size:], right.sum(axis=0)
         # Terms that the picture does not show, as of a layer out of view, stay as they are.
-        solved = np.linalg.lstsq(
-            normal[size:, size:], np.column_stack([across.T, total[size:]]), rcond=None
-        )[0]
+        inner = normal[size:, size:]
+        held = inner + np.diag(np.maximum(_HELD * np.diag(inner), 1e-9))
+        solved = np.linalg.solve(held, np.column_stack([across.T, total[size:]]))
         shared, change = solved[:, :-1], solved[:, -1]
         return cls(
             normal=(normal[:size, :size] - across @ shared) / variance,
