@@ -6,7 +6,6 @@ from dense_frames import borders_amid, random_pose, sample_pad
 from hypothesis import given
 from hypothesis import strategies as st
 
-from padstudio.geometry.pose import look_at_pad
 from padstudio.vision import kernels_fit
 from padstudio.vision.motion import MovingPose
 
@@ -84,29 +83,6 @@ def test_turns_are_those_of_rodrigues(seed, size):
     rotation = random_pose(rng, 700.0).rotation
     expected = rotation @ cv2.Rodrigues(turn)[0]
     np.testing.assert_allclose(kernels_fit.turned(rotation, turn), expected, atol=1e-9)
-
-
-@given(seed=st.integers(0, 10**6))
-def test_points_lead_back_to_their_pose(seed):
-    rng = np.random.default_rng(seed)
-    truth = look_at_pad(800.0, tilt_deg=rng.uniform(10, 60), heading_deg=rng.uniform(0, 360))
-    points = np.column_stack([rng.uniform(-300, 300, (9, 2)), np.zeros(9)])
-    seen = (points - truth.position_mm) @ truth.rotation
-    start = MovingPose(truth).moved(np.append(rng.normal(0, 20, 3), rng.normal(0, 0.03, 3))).pose
-    squares, rotation, centre = kernels_fit.fit_points(
-        points, seen[:, :2] / seen[:, 2:], start.rotation, start.position_mm, 30
-    )
-    assert squares < 1e-16
-    np.testing.assert_allclose(centre, truth.position_mm, atol=1e-3)
-    np.testing.assert_allclose(rotation, truth.rotation, atol=1e-6)
-
-
-def test_points_behind_the_camera_are_no_picture():
-    pose = look_at_pad(500.0)
-    behind = np.array([[0.0, 0, 900.0], [10, 0, 900], [0, 10, 900], [10, 10, 900]])
-    assert np.isinf(
-        kernels_fit.fit_points(behind, np.zeros((4, 2)), pose.rotation, pose.position_mm, 5)[0]
-    )
 
 
 @given(seed=st.integers(0, 10**6), size=st.sampled_from([6, 12]))

@@ -7,6 +7,7 @@ from padstudio.vision import (
     kernels_fit,
     kernels_pattern,
     kernels_pixels,
+    kernels_points,
     kernels_search,
     warm,
 )
@@ -21,6 +22,7 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         kernels_fit,
         kernels_pattern,
         kernels_pixels,
+        kernels_points,
         kernels_search,
     ):
         compiled = [f for f in vars(module).values() if hasattr(f, "signatures")]
@@ -32,10 +34,10 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         kernels_borders.find_borders,
         kernels_cells.sample,
         kernels_cells.width_px,
-        kernels_fit.fit_mirrored,
+        kernels_points.fit_mirrored,
         kernels_pixels.impulses,
         kernels_fit.fit,
-        kernels_fit.fit_points,
+        kernels_points.fit_points,
         kernels_fit.normal_equations,
         kernels_pattern.match_pattern,
         kernels_pattern.blurred_cells,

@@ -7,7 +7,8 @@ import numpy as np
 from padstudio.vision.choose import Choice
 from padstudio.vision.covariance import with_bend, with_picture_shift
 from padstudio.vision.far import WholeSign
-from padstudio.vision.measure import Measurement, most_residual_px
+from padstudio.vision.measure import most_residual_px
+from padstudio.vision.measurement import Measurement
 from padstudio.vision.planar import ambiguity
 from padstudio.vision.refine import Fit
 from padstudio.vision.types import Detection, Reason, StageFailure, Uncertainty

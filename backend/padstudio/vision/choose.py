@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from padstudio.pad.spec import Layer
-from padstudio.vision.measure import LayerRead
+from padstudio.vision.measurement import LayerRead
 from padstudio.vision.types import Reason, StageFailure
 
 

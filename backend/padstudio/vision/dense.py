@@ -23,7 +23,8 @@ from padstudio.vision.far import (
     outline_in,
     readable_poses,
 )
-from padstudio.vision.measure import LayerRead, Measurement, Refiner, Rung
+from padstudio.vision.measure import Refiner
+from padstudio.vision.measurement import LayerRead, Measurement, Rung
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planar import planar_pose

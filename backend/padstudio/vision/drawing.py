@@ -10,7 +10,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.vision.cells import CellGrid
 from padstudio.vision.lattice import Lattice
-from padstudio.vision.measure import Measurement
+from padstudio.vision.measurement import Measurement
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.types import Array, Image
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from padstudio.pad.coverage import METHOD_LIMITS
 from padstudio.pad.spec import Channel
 from padstudio.vision.block_mean import block_mean, clean
-from padstudio.vision.measure import LayerRead
+from padstudio.vision.measurement import LayerRead
 from padstudio.vision.planes import Pyramid
 from padstudio.vision.prepare import take_channel
 from padstudio.vision.recorder import Recorder

@@ -15,7 +15,8 @@ import numpy as np
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.align import Match
-from padstudio.vision.measure import LayerRead, Refiner
+from padstudio.vision.measure import Refiner
+from padstudio.vision.measurement import LayerRead
 from padstudio.vision.motion import MovingPose
 from padstudio.vision.outline import Outline, find_outline
 from padstudio.vision.planar import planar_pose

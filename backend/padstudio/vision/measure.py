@@ -1,8 +1,8 @@
 """Stage `pose`: from a first pose to the best one the picture allows, layer by layer.
 
 Coarse layers first, with few borders: they bring the pose near enough to tell the finer layer's
-borders apart. Then all borders of all readable layers at once. A layer counts only where its
-cells, read with the refined pose, agree with the pad.
+borders apart. Then all borders of the finest one. A layer counts only where its cells, read with
+the refined pose, agree with the pad.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.align import FOLLOWED_PIXELS, MOST_PIXELS, Match
 from padstudio.vision.borders import LEAST_BORDERS, Borders, Measured, measurable_borders, measure
-from padstudio.vision.cells import CellGrid, read_cells
-from padstudio.vision.evidence import Evidence, judge
+from padstudio.vision.cells import read_cells
+from padstudio.vision.evidence import judge
+from padstudio.vision.measurement import LayerRead, Measurement, Rung
 from padstudio.vision.motion import KnownMotion, MovingPose
 from padstudio.vision.params import DetectorParams
 from padstudio.vision.planes import Pyramid
@@ -40,73 +40,6 @@ _SETTLED = 0.1
 _WITHIN, _HERE = 0.2, 0.05
 # Residuals this small, in cells, need no motion to be brought nearer.
 _QUIET = 0.05
-
-
-@dataclass(frozen=True, eq=False)
-class LayerRead:
-    """A layer's cells read with a known pose.
-
-    Attributes
-    ----------
-    layer : Layer
-    cells : CellGrid
-    expected : (R, C) int8
-        Levels that the pad has there.
-    evidence : Evidence
-    area_mm2 : float
-        Area of the cells read.
-    """
-
-    layer: Layer
-    cells: CellGrid
-    expected: NDArray[np.int8]
-    evidence: Evidence
-    area_mm2: float
-
-
-@dataclass(frozen=True, eq=False)
-class Measurement:
-    """A refined pose and what it rests on.
-
-    Attributes
-    ----------
-    fit : Fit
-    layer : Layer
-        The finest layer that was measured.
-    borders : Borders
-        Its borders in view.
-    measured : Measured or None
-        Those that were found; None where the pattern was matched as a whole.
-    camera : Camera
-        At the frame's size.
-    cell_px : float
-        Median width of a cell of the layer, frame pixels.
-    read : LayerRead
-        The layer's cells.
-    """
-
-    fit: Fit
-    layer: Layer
-    borders: Borders
-    measured: Measured | None
-    camera: Camera
-    cell_px: float
-    read: LayerRead
-
-
-@dataclass(frozen=True, eq=False)
-class Rung:
-    """A readable layer with its borders in view, and what its few borders gave.
-
-    From afar ``match`` compares the whole pattern near its pose.
-    """
-
-    layer: Layer
-    borders: Borders
-    cell_px: float
-    pose: MovingPose
-    rms_px: float
-    match: Match | None = None
 
 
 @dataclass(frozen=True)

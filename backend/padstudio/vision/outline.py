@@ -24,7 +24,7 @@ from padstudio.vision.corner_pose import (
     corner_sigma_px,
 )
 from padstudio.vision.evidence import judge
-from padstudio.vision.measure import LayerRead
+from padstudio.vision.measurement import LayerRead
 from padstudio.vision.outline_sides import Side, fit_side
 from padstudio.vision.planar import planar_pose
 from padstudio.vision.planes import Pyramid

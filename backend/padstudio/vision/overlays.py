@@ -18,7 +18,7 @@ from padstudio.vision.directions import LineFamilies
 from padstudio.vision.edges import EdgeSet
 from padstudio.vision.far import WholeSign
 from padstudio.vision.lattice import Lattice
-from padstudio.vision.measure import LayerRead, Measurement
+from padstudio.vision.measurement import LayerRead, Measurement
 from padstudio.vision.planes import BGR_INDEX, Plane
 from padstudio.vision.prepare import Denoise, Stretch, Unmixed, denoised
 from padstudio.vision.types import Detection, Image, StageFailure, Trace

@@ -86,9 +86,9 @@ def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
     sigma : float
         Standard deviation of the pattern, on the plane z = 1.
     """
-    from padstudio.vision import kernels_fit
+    from padstudio.vision import kernels_points
 
-    squares, rotation = kernels_fit.fit_mirrored(
+    squares, rotation = kernels_points.fit_mirrored(
         np.ascontiguousarray(points_mm, float),
         np.ascontiguousarray(pose.rotation),
         pose.position_mm,
@@ -148,9 +148,9 @@ def least_squares(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pos
         On the plane z = 1; infinite where there is no such pose, which then is the given one.
     pose : Pose
     """
-    from padstudio.vision import kernels_fit
+    from padstudio.vision import kernels_points
 
-    squares, rotation, centre = kernels_fit.fit_points(
+    squares, rotation, centre = kernels_points.fit_points(
         np.ascontiguousarray(points_mm, float),
         np.ascontiguousarray(rays, float),
         np.ascontiguousarray(pose.rotation),

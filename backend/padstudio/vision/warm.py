@@ -18,8 +18,8 @@ from padstudio.vision.yuv import YuvFrame
 
 _SIDE_PX = 640
 _CELLS = 25
-# Widths of a cell that are read border by border, and as a whole pattern.
-_CELL_PX = (20.0, 3.6)
+# Widths of a cell: the sign fills the frame and is found by its lattice, or is matched as a whole.
+_CELL_PX = (36.0, 3.6)
 
 
 def warm_up() -> bool:
