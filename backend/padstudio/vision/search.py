@@ -6,6 +6,7 @@ with the pad beyond chance ends the search, so that near pads cost little more t
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -77,8 +78,9 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
     """
     nothing = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
     nearest = Miss(nothing, regions[0], 0)
-    looks = list(_looks(regions, frame.params.search))
-    for steep in (False, True):
+    # Both rounds see the same regions, and none is cut out before it is looked at.
+    first, second = itertools.tee(_looks(regions, frame.params.search))
+    for steep, looks in ((False, first), (True, second)):
         unsure: list[tuple[Lattice, Region]] = []
         for region, level in looks:
             for channel in frame.indices:
