@@ -7,7 +7,7 @@ import pytest
 
 from padstudio.flights import batch
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.types import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection, Reason, StageFailure
 from test_cli import assert_one_line_error, run
 
 ROOT = Path(__file__).parents[1]

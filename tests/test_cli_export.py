@@ -10,7 +10,7 @@ import pytest
 from mcap.reader import make_reader
 
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.types import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection, Reason, StageFailure
 from test_cli import assert_one_line_error, run
 
 ROOT = Path(__file__).parents[1]

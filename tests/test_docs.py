@@ -10,7 +10,7 @@ from padstudio.cli import app
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad import files
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.types import STAGES, Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import STAGES, Detection, Reason, StageFailure
 
 ROOT = Path(__file__).parents[1]
 CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from padstudio.geometry.camera import Camera
     from padstudio.geometry.pose import Pose
     from padstudio.pad.spec import Layer, Pad
-    from padstudio.vision.params import DetectorParams
-    from padstudio.vision.pipeline import Detector
-    from padstudio.vision.types import Detection
+    from padstudio.vision.detector import Detector
+    from padstudio.vision.stage.detection import Detection
+    from padstudio.vision.stage.params import DetectorParams
 
 __version__ = "0.1.0"
 

@@ -146,7 +146,7 @@ def _simulated(
 ) -> SuccessMap:
     from padstudio.simulate.coverage import success_map
     from padstudio.simulate.scene import Scene
-    from padstudio.vision.pipeline import Detector
+    from padstudio.vision.detector import Detector
 
     detector = Detector(pad, camera, method=method)  # type: ignore[arg-type]
     with progress_bar() as progress:

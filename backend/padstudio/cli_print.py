@@ -147,7 +147,7 @@ def crosstalk(
     """Read a photo of the test strip; frames are then un-mixed by what printer and camera do."""
     from padstudio.flights import images
     from padstudio.pad.crosstalk import with_crosstalk
-    from padstudio.vision.crosstalk import estimate_crosstalk
+    from padstudio.vision.strip_photo import estimate_crosstalk
 
     if (photo is None) != forget:
         raise typer.BadParameter("give a photo of the test strip, or --forget")

@@ -26,7 +26,7 @@ from padstudio.geometry.pose import Pose
 from padstudio.simulate.flights import FlightKind, plan
 from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.scene import Scene
-from padstudio.vision.types import Detection
+from padstudio.vision.stage.detection import Detection
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 #: Median of the chi-squared law of six degrees of freedom.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from padstudio import Camera, Detector, Pad, Pose
 from padstudio.pad.layout import Layout
-from padstudio.vision.types import Method
+from padstudio.vision.stage.detection import Method
 
 Image = NDArray[np.uint8]
 Read = Callable[[Image], Pose | None]

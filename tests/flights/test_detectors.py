@@ -9,7 +9,7 @@ import pytest
 
 from padstudio.errors import SpecError
 from padstudio.flights.detectors import Recipe, detector_for, params_from
-from padstudio.vision.params import DetectorParams
+from padstudio.vision.stage.params import DetectorParams
 
 
 def test_what_is_not_named_keeps_its_default() -> None:

@@ -21,7 +21,7 @@ from padstudio.flights.results import FrameFilter, Results
 from padstudio.flights.store import Store
 from padstudio.flights.summaries import Summaries
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.types import pose_fields
+from padstudio.vision.stage.detection import pose_fields
 
 FRAMES = 300
 REASONS = ("unknown_code", "no_edges", "motion_blur")

@@ -18,9 +18,9 @@ from padstudio.flights.video import VideoError
 from padstudio.flights.video_frames import read_frames
 from padstudio.flights.video_index import VideoIndex, read_index
 from padstudio.pad.spec import Channel
-from padstudio.vision import kernels_cells
-from padstudio.vision.planes import Pyramid
-from padstudio.vision.yuv import YuvFrame, YuvPyramid
+from padstudio.vision.cells import cells_kernel
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.frame.yuv import YuvFrame, YuvPyramid
 
 FRAMES = 40
 KINDS: dict[str, dict[str, Any]] = {
@@ -78,7 +78,7 @@ def test_frames_in_planes_are_their_pictures(name: str, tmp_path: Path) -> None:
                 windows = [pyramid.window(channel, level) for pyramid in (found, plain)]
                 xy = windows[1].to_frame(np.stack([x, y], axis=-1))
                 seen = np.ones(x.shape, bool)
-                values = [kernels_cells.sample(window, xy, seen) for window in windows]
+                values = [cells_kernel.sample(window, xy, seen) for window in windows]
                 off = np.abs(values[0] - values[1])
                 # Where colours clip, a mean of pixels clips otherwise.
                 assert np.median(off) <= 2

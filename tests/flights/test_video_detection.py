@@ -16,8 +16,8 @@ from padstudio.simulate.flights import plan
 from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.scene import Scene
 from padstudio.simulate.video_writer import Codec, VideoWriter
-from padstudio.vision.pipeline import Detector
-from padstudio.vision.types import Detection
+from padstudio.vision.detector import Detector
+from padstudio.vision.stage.detection import Detection
 
 CAMERA = Camera(640, 480, np.array([[440.0, 0, 319.5], [0, 440.0, 239.5], [0, 0, 1]]))
 FRAMES = 10

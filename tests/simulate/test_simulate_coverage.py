@@ -12,7 +12,7 @@ from padstudio.simulate.coverage import judge, only, success_map, view_of
 from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.inks import Inks
 from padstudio.simulate.scene import Scene
-from padstudio.vision.pipeline import Detector
+from padstudio.vision.detector import Detector
 
 
 def camera(width=160, height=120, focal=110.0):

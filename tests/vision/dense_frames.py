@@ -9,17 +9,17 @@ from paper_frames import errors, frame_of, sample_pad, small_camera
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
+from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.imaging import Imaging
-from padstudio.vision.borders import visible_borders
-from padstudio.vision.cells import CellGrid, relative_field
-from padstudio.vision.edges import find_edges
-from padstudio.vision.motion import MovingPose
-from padstudio.vision.params import DetectorParams
-from padstudio.vision.planes import Pyramid
-from padstudio.vision.prepare import find_stretch, take_channel
-from padstudio.vision.recorder import Recorder
-from padstudio.vision.regions import find_regions
+from padstudio.vision.cells.sampling import CellGrid, relative_field
+from padstudio.vision.frame.prepare import find_stretch, take_channel
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.frame.regions import find_regions
+from padstudio.vision.pose.edge_points import visible_borders
+from padstudio.vision.search.edges import find_edges
+from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.trace import Recorder
 
 __all__ = ["errors", "frame_of", "sample_pad", "small_camera"]
 

@@ -12,9 +12,9 @@ from padstudio.geometry.pose import Pose, rotation_angle_deg
 from padstudio.pad.spec import Pad
 from padstudio.simulate.camera import render
 from padstudio.simulate.scene import Scene
-from padstudio.vision.paper_edges import EdgeMap
-from padstudio.vision.paper_lines import Lines
-from padstudio.vision.planes import Plane
+from padstudio.vision.baseline.edges import EdgeMap
+from padstudio.vision.baseline.hough import Lines
+from padstudio.vision.frame.pyramid import Plane
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 WIDTH, HEIGHT = 640, 480

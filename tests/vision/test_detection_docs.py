@@ -6,9 +6,9 @@ import cv2
 import pytest
 from paper_frames import FOOTAGE
 
-from padstudio.vision.evidence import LEAST_SKILL
-from padstudio.vision.params import DetectorParams
-from padstudio.vision.types import STAGES, Reason
+from padstudio.vision.cells.evidence import LEAST_SKILL
+from padstudio.vision.stage.detection import STAGES, Reason
+from padstudio.vision.stage.params import DetectorParams
 
 TEXT = (FOOTAGE.parents[1] / "docs" / "detection.md").read_text(encoding="utf-8")
 

@@ -1,46 +1,45 @@
 """Warming compiles every inner loop that a detection may need."""
 
-from padstudio.vision import (
-    kernels,
-    kernels_borders,
-    kernels_cells,
-    kernels_fit,
-    kernels_pattern,
-    kernels_pixels,
-    kernels_points,
-    kernels_search,
-    warm,
+from padstudio.geometry import planar_pnp_kernel, projection
+from padstudio.vision import warm
+from padstudio.vision.cells import cells_kernel
+from padstudio.vision.frame import pixels_kernel
+from padstudio.vision.pose import (
+    alignment_kernel,
+    edge_points_kernel,
+    least_squares_kernel,
 )
+from padstudio.vision.search import search_kernel
 
 
 def test_warming_reads_its_frames_and_compiles_every_kernel():
     assert warm.warm_up()
     for module in (
-        kernels,
-        kernels_borders,
-        kernels_cells,
-        kernels_fit,
-        kernels_pattern,
-        kernels_pixels,
-        kernels_points,
-        kernels_search,
+        projection,
+        edge_points_kernel,
+        cells_kernel,
+        least_squares_kernel,
+        alignment_kernel,
+        pixels_kernel,
+        planar_pnp_kernel,
+        search_kernel,
     ):
         compiled = [f for f in vars(module).values() if hasattr(f, "signatures")]
         # Loops that only other loops call have no signature of their own until Python calls them.
         assert any(function.signatures for function in compiled), module.__name__
     for called in (
-        kernels.project,
-        kernels_borders.borders_in_view,
-        kernels_borders.find_borders,
-        kernels_cells.sample,
-        kernels_cells.width_px,
-        kernels_points.fit_mirrored,
-        kernels_pixels.impulses,
-        kernels_fit.fit,
-        kernels_points.fit_points,
-        kernels_fit.normal_equations,
-        kernels_pattern.match_pattern,
-        kernels_pattern.blurred_cells,
-        kernels_search.climb,
+        projection.project,
+        edge_points_kernel.borders_in_view,
+        edge_points_kernel.find_borders,
+        cells_kernel.sample,
+        cells_kernel.width_px,
+        planar_pnp_kernel.fit_mirrored,
+        pixels_kernel.impulses,
+        least_squares_kernel.fit,
+        planar_pnp_kernel.fit_points,
+        least_squares_kernel.normal_equations,
+        alignment_kernel.match_pattern,
+        alignment_kernel.blurred_cells,
+        search_kernel.climb,
     ):
         assert called.signatures, called.__name__

@@ -16,10 +16,10 @@ from padstudio.flights import images
 from padstudio.geometry import camera_files
 from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel
-from padstudio.vision import overlays
-from padstudio.vision.params import DetectorParams, PrepareParams
-from padstudio.vision.pipeline import Detector
-from padstudio.vision.types import Detection, Image, Method, StageRecord, Trace
+from padstudio.vision.detector import Detector
+from padstudio.vision.overlays import stages as overlays
+from padstudio.vision.stage.detection import Detection, Image, Method, StageRecord, Trace
+from padstudio.vision.stage.params import DetectorParams, PrepareParams
 
 METHODS: tuple[Method, ...] = get_args(Method)
 RESULT = "result"

@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 from padstudio.errors import SpecError
 from padstudio.geometry import camera_files
 from padstudio.pad import files as pad_files
-from padstudio.vision.params import DetectorParams
-from padstudio.vision.pipeline import Detector
-from padstudio.vision.types import Method
+from padstudio.vision.detector import Detector
+from padstudio.vision.stage.detection import Method
+from padstudio.vision.stage.params import DetectorParams
 
 ParamsT = TypeVar("ParamsT")
 

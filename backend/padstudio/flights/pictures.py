@@ -15,7 +15,7 @@ from padstudio.flights.detectors import Recipe, detector_for
 from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.tasks import StillPart, VideoPart, read_still
 from padstudio.flights.work import recipe_of, still_part, video_part
-from padstudio.vision.types import STAGES, Detection
+from padstudio.vision.stage.detection import STAGES, Detection
 
 Kind = Literal["webp", "png"]
 #: The name of the frame's own picture, and of the one with what was found in it.

@@ -18,7 +18,7 @@ from padstudio.flights.tasks import StillPart, read_still
 from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.pad import files as pad_files
-from padstudio.vision.types import Image
+from padstudio.vision.stage.detection import Image
 
 Array = NDArray[np.float64]
 

@@ -21,9 +21,9 @@ from padstudio.flights.detectors import Recipe, detector_for
 from padstudio.flights.stopping import TaskStoppedError
 from padstudio.flights.storage import read_bytes
 from padstudio.flights.video_frames import VideoPicture, read_frames
-from padstudio.vision.pipeline import Detector
-from padstudio.vision.types import Detection, Image
-from padstudio.vision.yuv import YuvFrame
+from padstudio.vision.detector import Detector
+from padstudio.vision.frame.yuv import YuvFrame
+from padstudio.vision.stage.detection import Detection, Image
 
 Record = dict[str, Any]
 logger = logging.getLogger(__name__)

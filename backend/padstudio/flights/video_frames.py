@@ -11,8 +11,8 @@ import numpy as np
 
 from padstudio.errors import LimitError
 from padstudio.flights.video import MAX_PIXELS, decode, main_stream, open_container
-from padstudio.vision.types import Image
-from padstudio.vision.yuv import Standard, YuvFrame
+from padstudio.vision.frame.yuv import Standard, YuvFrame
+from padstudio.vision.stage.detection import Image
 
 if TYPE_CHECKING:
     from av import VideoFrame

@@ -1,6 +1,6 @@
 """How a printer and a camera mix the pad's colours, as far as a pad keeps it.
 
-The matrix comes from a photo of the test strip (`padstudio.vision.crosstalk`). Linear light in
+The matrix comes from a photo of the test strip (`padstudio.vision.strip_photo`). Linear light in
 camera channel i, as a share of what white paper gives, is ``matrix[i] @ nominal`` for nominal
 channels 0 … 1 in RGB order, plus what black gives.
 """

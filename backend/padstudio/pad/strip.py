@@ -1,7 +1,7 @@
 """The colour test strip: patches in known order between four markers; one layout, mm, y down.
 
 It is printed like a pad and photographed, to learn what a printer and a camera make of the
-colours (`padstudio.vision.crosstalk`).
+colours (`padstudio.vision.strip_photo`).
 """
 
 from __future__ import annotations

@@ -11,10 +11,10 @@ import numpy as np
 from padstudio.geometry.camera import Camera
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.pipeline import Detector
-from padstudio.vision.planes import halved
-from padstudio.vision.types import Image
-from padstudio.vision.yuv import YuvFrame
+from padstudio.vision.detector import Detector
+from padstudio.vision.frame.pyramid import halved
+from padstudio.vision.frame.yuv import YuvFrame
+from padstudio.vision.stage.detection import Image
 
 _SIDE_PX = 640
 _CELLS = 25

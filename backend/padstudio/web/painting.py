@@ -70,7 +70,7 @@ def read_strip(photo: bytes, max_pixels: int) -> dict[str, Any]:
     ImageError, LimitError
         If the photo cannot be read, or the strip is not in it.
     """
-    from padstudio.vision.crosstalk import estimate_crosstalk
+    from padstudio.vision.strip_photo import estimate_crosstalk
 
     found = estimate_crosstalk(images.decode(photo, max_pixels))
     return {

@@ -84,7 +84,7 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
     SpecError, LimitError
         As `padstudio.simulate.coverage.success_map`; or if the camera has more pixels.
     """
-    from padstudio.vision.pipeline import Detector
+    from padstudio.vision.detector import Detector
 
     the_pad, the_camera = pad_files.loads(pad), camera_files.loads(camera)
     check_pixels(the_camera, max_pixels)

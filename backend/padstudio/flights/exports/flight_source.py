@@ -16,7 +16,7 @@ from padstudio.flights.video_frames import read_frames
 from padstudio.flights.work import still_part, video_part
 from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
-from padstudio.vision.types import Image
+from padstudio.vision.stage.detection import Image
 
 #: Calls a function in a worker process and waits for it.
 Run = Callable[..., Any]

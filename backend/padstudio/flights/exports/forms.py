@@ -76,7 +76,7 @@ def export(
     form : str
         A key of `FORMS`.
     records : iterable of dict
-        As `padstudio.vision.types.Detection.to_record`, in the order of time.
+        As `padstudio.vision.stage.detection.Detection.to_record`, in the order of time.
     options : ExportOptions or None
 
     Returns

@@ -1,0 +1,128 @@
+"""Stage `edges`, paper: Canny on the cleaned picture, then dilation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.vision.frame.block_mean import Binary
+from padstudio.vision.frame.pyramid import Plane
+from padstudio.vision.frame.regions import Region
+from padstudio.vision.stage.detection import Array, Image, Reason, StageFailure
+
+# Canny's two thresholds on a stretched picture of 0 … 255; a black and white one passes any.
+_LOW, _HIGH = 40.0, 110.0
+_LEAST_EDGES = 100
+# The grey plane's steepest place is looked for this far from Canny's, pixels of the plane.
+_SEARCH = 2
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeMap:
+    """Edges of a plane as a picture.
+
+    Attributes
+    ----------
+    thin : (h, w) uint8
+        Canny's edges, 0 or 255.
+    mask : (h, w) uint8
+        The same, dilated.
+    points : (N, 2) float64
+        Canny's edge pixels, moved to where the grey plane is steepest; plane pixels.
+    plane : Plane
+        What they were found in.
+    camera : Camera
+        At the frame's size.
+    """
+
+    thin: Image
+    mask: Image
+    points: Array
+    plane: Plane
+    camera: Camera
+
+    def straighten(self, xy: Array) -> Array:
+        """Plane pixels (N, 2) as a lens without distortion would have them."""
+        if not self.camera.distorted:
+            return xy
+        rays = self.camera.normalize(self.plane.to_frame(xy))
+        return self.plane.from_frame(_ideal(self.camera).denormalize(rays))
+
+    def bend(self, xy: Array) -> Array:
+        """The plane pixels (N, 2) of straightened ones."""
+        if not self.camera.distorted:
+            return xy
+        rays = _ideal(self.camera).normalize(self.plane.to_frame(xy))
+        return self.plane.from_frame(self.camera.denormalize(rays))
+
+
+def find_edge_map(
+    binary: Binary, region: Region, camera: Camera, levels: int
+) -> EdgeMap | StageFailure:
+    """Canny edges on the pad's colour, dilated so that the Hough transform sees whole lines.
+
+    Parameters
+    ----------
+    binary : Binary
+    region : Region
+        Edges off its mask are dropped: grass has more of them than the pad.
+    camera : Camera
+        At the frame's size.
+    levels : int
+        Y; with more than two levels black and white would lose lines, so the grey plane is taken.
+
+    References
+    ----------
+    Canny, J. (1986). A computational approach to edge detection. doi:10.1109/TPAMI.1986.4767851
+    """
+    picture = binary.mask if levels == 2 else _gray(binary.plane)
+    thin = np.asarray(cv2.Canny(picture, _LOW, _HIGH), np.uint8)
+    y, x = np.nonzero(thin)
+    off = ~region.holds(binary.plane.to_frame(np.stack([x, y], axis=1).astype(float)))
+    thin[y[off], x[off]] = 0
+    count = len(x) - int(off.sum())
+    if count < _LEAST_EDGES:
+        return StageFailure(
+            "edges",
+            Reason.NO_EDGES,
+            f"only {count} edge pixels in {binary.plane.channel}, {_LEAST_EDGES} are needed",
+        )
+    mask = np.asarray(cv2.dilate(thin, np.ones((3, 3), np.uint8)), np.uint8)
+    return EdgeMap(thin, mask, _steepest(binary.plane, thin), binary.plane, camera)
+
+
+def _ideal(camera: Camera) -> Camera:
+    return replace(camera, distortion=np.zeros(0), model="radtan")
+
+
+def _steepest(plane: Plane, thin: Image) -> Array:
+    """Edge pixels to a part of a pixel, (N, 2).
+
+    Thresholds and cleaning round the cells' corners and shift their sides; the grey plane knows
+    better. Along the gradient's main axis the steepest of five pixels is taken, and the parabola
+    through it and its neighbours.
+    """
+    smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
+    gx, gy = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
+    steep = np.pad(np.asarray(cv2.magnitude(gx, gy)), _SEARCH + 1, mode="edge")
+    y, x = np.nonzero(thin)
+    along_x = np.abs(gx[y, x]) >= np.abs(gy[y, x])
+    offsets = np.arange(-_SEARCH - 1, _SEARCH + 2)
+    rows = y[:, None] + _SEARCH + 1 + np.where(along_x[:, None], 0, offsets)
+    columns = x[:, None] + _SEARCH + 1 + np.where(along_x[:, None], offsets, 0)
+    profile = steep[rows, columns].astype(float)
+    best = 1 + np.argmax(profile[:, 1:-1], axis=1)
+    number = np.arange(len(best))
+    before, here, after = (profile[number, best + k] for k in (-1, 0, 1))
+    bend = np.minimum(before + after - 2 * here, -1e-6)
+    shift = offsets[best] + np.clip(0.5 * (before - after) / bend, -0.5, 0.5)
+    return np.stack([x + shift * along_x, y + shift * ~along_x], axis=1)
+
+
+def _gray(plane: Plane) -> NDArray[np.uint8]:
+    smooth = cv2.GaussianBlur(plane.values, (5, 5), 0)
+    return np.clip(np.round(smooth), 0, 255).astype(np.uint8)

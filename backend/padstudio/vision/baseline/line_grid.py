@@ -1,0 +1,259 @@
+"""Stage `lines`, paper, second half: two families, misfits dropped, missing lines inserted.
+
+Lines of a family meet in a vanishing point. Across the horizon through both vanishing points the
+lines of a regular grid stand evenly, so that slope and spacing, which change steadily along a
+family under perspective, are tested by one fit instead of a fixed step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.vision.baseline.hough import Lines, homogeneous
+from padstudio.vision.baseline.vanishing_points import aligned, two_vanishing_points
+from padstudio.vision.stage.detection import Array, Reason, StageFailure
+
+Flags = NDArray[np.bool_]
+
+# A line fits the spacing within this part of a step.
+_NEAR = 0.12
+# The step that explains this share of what the best one explains, and is the widest, is the cell.
+_AS_GOOD = 0.88
+_LEAST_LINES = 3
+# Vanishing points, of length 1, that span less than this are one.
+_LEAST_APART = 1e-6
+# Of the lines from a family's first to its last, this share must have been found.
+_LEAST_FOUND = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Lines of one direction, one for each number.
+
+    Attributes
+    ----------
+    first : int
+        Lattice coordinate of the first line; the others follow one by one.
+    lines : (K, 3) float64
+        Unit normal and offset, plane pixels of a lens without distortion: all where the fit has
+        them, which by far is better than where a line with few edges was found.
+    inserted : (K,) bool
+        True where no line was found.
+    """
+
+    first: int
+    lines: Array
+    inserted: Flags
+
+    @property
+    def last(self) -> int:
+        """Lattice coordinate of the last line."""
+        return self.first + len(self.lines) - 1
+
+
+@dataclass(frozen=True, eq=False)
+class LineGrid:
+    """Two numbered families of lines.
+
+    Attributes
+    ----------
+    columns, rows : Family
+        Lines of constant column, and of constant row; right-handed as the picture is.
+    lattice_from_plane : (3, 3) float64
+        Takes homogeneous plane pixels, undistorted, to lattice coordinates (column, row, 1), up
+        to scale.
+    rms_px : float
+        Root mean square distance of the lines' ends from the fit, plane pixels.
+    found : Lines
+        All merged lines.
+    kept : (M,) bool
+        Which of them belong to the grid.
+    """
+
+    columns: Family
+    rows: Family
+    lattice_from_plane: Array
+    rms_px: float
+    found: Lines
+    kept: Flags
+
+
+def find_line_grid(found: Lines) -> LineGrid | StageFailure:
+    """Group lines into two families, drop those that do not fit, insert those that are missing."""
+    h, w = found.edges.mask.shape
+    # Coordinates near 1 keep the homogeneous equations well conditioned.
+    scale = 2.0 / max(h, w)
+    to_unit = np.array([[scale, 0, -scale * w / 2], [0, scale, -scale * h / 2], [0, 0, 1.0]])
+    ends = found.ends * scale + to_unit[:2, 2]
+    points = two_vanishing_points(ends, found.support)
+    if points is None:
+        return _too_few(found, "they do not fall into two families of directions")
+    horizon = np.cross(points[0], points[1])
+    if not np.linalg.norm(horizon) > _LEAST_APART:
+        return _too_few(found, "their two families of directions are one")
+    lines = homogeneous(ends)
+    numbers = np.full((2, len(ends)), np.nan)
+    for axis in (0, 1):
+        pointing = aligned(points[axis], ends)
+        ordered = pointing & _ordered(lines, ends, pointing, found.support)
+        which = np.flatnonzero(ordered)
+        if len(which) >= _LEAST_LINES:
+            place = _places(lines[which], points[axis], horizon)
+            numbers[axis, which] = _number(place, found.support[which])
+    fit = _fit_lattice(ends, numbers, found.support)
+    if fit is None:
+        return _too_few(found, "no even spacing fits two families of them")
+    return _grid(fit, to_unit, ends, numbers, found)
+
+
+def _ordered(lines: Array, ends: Array, family: Flags, support: Array) -> Flags:
+    """Which lines of a family cross no better supported one within their own length."""
+    keep = family.copy()
+    for k in np.flatnonzero(family)[::-1]:
+        better = family & keep & (support > support[k])
+        sides = lines[better] @ np.column_stack([ends[k], np.ones(2)]).T
+        others = np.concatenate([ends[better], np.ones((int(better.sum()), 2, 1))], axis=2)
+        across = others @ lines[k]
+        crosses = (sides.prod(axis=1) < 0) & (across.prod(axis=1) < 0)
+        keep[k] = not crosses.any()
+    return keep
+
+
+def _places(lines: Array, point: Array, horizon: Array) -> Array:
+    """Where lines of a family stand: even steps for a regular grid, whatever the perspective."""
+    # Of the lines through the point the one farthest from the horizon.
+    foot = np.cross(point, horizon)
+    basis = np.stack([foot / np.linalg.norm(foot), horizon / np.linalg.norm(horizon)], axis=1)
+    weights = np.linalg.lstsq(basis, lines.T, rcond=None)[0]
+    return np.asarray(weights[1] / np.where(weights[0] == 0, 1e-12, weights[0]), float)
+
+
+def _number(place: Array, support: Array) -> Array:
+    """Lattice numbers (N,) of lines by the widest even step that fits; NaN for misfits."""
+    top = np.argsort(-support, kind="stable")[:30]
+    sorted_places = np.sort(place[top])
+    gaps = np.concatenate([sorted_places[k:] - sorted_places[:-k] for k in (1, 2) if k < len(top)])
+    gaps = gaps[gaps > 1e-4]
+    steps = np.unique(np.concatenate([gaps / k for k in (1, 2, 3)])) if len(gaps) else gaps
+    if not len(steps):
+        return np.full(len(place), np.nan)
+    # (steps, anchors, lines)
+    offset = (place[None, None] - place[top[:8]][None, :, None]) / steps[:, None, None]
+    fits = np.abs(offset - np.round(offset)) < _NEAR
+    # Chance explains this much of anything.
+    scores = (fits @ support) / support.sum()
+    by_step = scores.max(axis=1)
+    good = np.flatnonzero(by_step >= _AS_GOOD * by_step.max())
+    step = int(good[-1])
+    # The widest step has neighbours that fit almost as well: the best of them is taken.
+    close = np.flatnonzero(np.abs(steps / steps[step] - 1) < 0.15)
+    step = int(close[np.argmax(by_step[close])])
+    chosen = offset[step, int(np.argmax(scores[step]))]
+    number = np.round(chosen)
+    return np.where(np.abs(chosen - number) < 2 * _NEAR, number, np.nan)
+
+
+def _fit_lattice(ends: Array, numbers: Array, support: Array) -> Array | None:
+    """The projective map (3, 3) to lattice coordinates under which ends lie on their lines.
+
+    ``numbers`` loses the misfits.
+    """
+    fit: Array | None = None
+    for _ in range(5):
+        if (np.isfinite(numbers).sum(axis=1) < _LEAST_LINES).any():
+            return None
+        equations = []
+        for axis in (0, 1):
+            which = np.flatnonzero(np.isfinite(numbers[axis]))
+            points = np.column_stack([ends[which].reshape(-1, 2), np.ones(2 * len(which))])
+            number = np.repeat(numbers[axis, which], 2)
+            weight = np.repeat(np.sqrt(support[which]), 2)
+            if fit is not None:
+                weight = weight / _steepness(fit, axis, number, points)
+            block = np.zeros((len(points), 9))
+            block[:, 3 * axis : 3 * axis + 3] = points
+            block[:, 6:] = -number[:, None] * points
+            equations.append(block * weight[:, None])
+        system = np.concatenate(equations)
+        fit = np.asarray(np.linalg.eigh(system.T @ system)[1][:, 0].reshape(3, 3), float)
+        for axis in (0, 1):
+            coordinate = _coordinates(fit, ends)[..., axis]
+            off = np.abs(coordinate - numbers[axis][:, None]).max(axis=1)
+            numbers[axis] = np.where(off < 1.5 * _NEAR, numbers[axis], np.nan)
+    return fit if all(_dense_enough(family) for family in numbers) else None
+
+
+def _dense_enough(numbers: Array) -> bool:
+    """Whether enough of a family's lines were found: else any lines at all would be a grid."""
+    known = np.unique(numbers[np.isfinite(numbers)])
+    return len(known) >= _LEAST_LINES and len(known) >= _LEAST_FOUND * (known[-1] - known[0])
+
+
+def _steepness(fit: Array, axis: int, number: Array, points: Array) -> Array:
+    """What turns the algebraic error of points on numbered lines into distances."""
+    lines = fit[axis] - number[:, None] * fit[2]
+    return np.asarray(np.maximum(np.linalg.norm(lines[:, :2], axis=1), 1e-12), float)
+
+
+def _coordinates(fit: Array, xy: Array) -> Array:
+    """Lattice coordinates (..., 2) of points (..., 2)."""
+    h = np.concatenate([xy, np.ones((*xy.shape[:-1], 1))], axis=-1) @ fit.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(h[..., :2] / h[..., 2:], float)
+
+
+def _grid(
+    fit: Array, to_unit: Array, ends: Array, numbers: Array, found: Lines
+) -> LineGrid | StageFailure:
+    kept = np.asarray(np.isfinite(numbers).any(axis=0))
+    fit = fit @ to_unit
+    upright, numbers = _oriented(fit, found.ends[kept].reshape(-1, 2).mean(axis=0), numbers)
+    if upright is None:
+        return _too_few(found, "their two families lie on one another")
+    distances = []
+    for axis in (0, 1):
+        for k in np.flatnonzero(np.isfinite(numbers[axis])):
+            line = _line(upright, axis, float(numbers[axis, k]))
+            distances.append(found.ends[k] @ line[:2] + line[2])
+    families = [_family(upright, axis, numbers[axis]) for axis in (0, 1)]
+    rms = float(np.sqrt(np.mean(np.square(distances))))
+    return LineGrid(families[0], families[1], upright, rms, found, kept)
+
+
+def _oriented(fit: Array, middle: Array, numbers: Array) -> tuple[Array | None, Array]:
+    """The map with columns to the right and rows down, as far as its turn allows."""
+    at = _coordinates(fit, middle + np.array([[0, 0], [1, 0], [0, 1]]))
+    jacobian = np.stack([at[1] - at[0], at[2] - at[0]], axis=1)
+    if not np.isfinite(jacobian).all() or abs(np.linalg.det(jacobian)) < 1e-12:
+        return None, numbers
+    fit = fit.copy()
+    if abs(jacobian[0, 1]) > abs(jacobian[0, 0]):
+        fit[[0, 1]], numbers, jacobian = fit[[1, 0]], numbers[::-1].copy(), jacobian[::-1]
+    signs = np.sign([jacobian[0, 0], 1.0])
+    signs[1] = np.sign(np.linalg.det(jacobian)) * signs[0]
+    fit[:2] *= signs[:, None]
+    return fit, numbers * signs[:, None]
+
+
+def _line(fit: Array, axis: int, number: float) -> Array:
+    line = fit[axis] - number * fit[2]
+    return np.asarray(line / np.linalg.norm(line[:2]), float)
+
+
+def _family(fit: Array, axis: int, numbers: Array) -> Family:
+    """All lines from a family's first to its last, where the fit has them."""
+    known = np.unique(numbers[np.isfinite(numbers)])
+    every = np.arange(known[0], known[-1] + 1)
+    lines = np.array([_line(fit, axis, number) for number in every])
+    return Family(int(known[0]), lines, ~np.isin(every, known))
+
+
+def _too_few(found: Lines, why: str) -> StageFailure:
+    return StageFailure(
+        "lines",
+        Reason.TOO_FEW_LINES,
+        f"{len(found.ends)} lines in {found.edges.plane.channel}; {why}",
+    )

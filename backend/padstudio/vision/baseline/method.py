@@ -1,0 +1,218 @@
+"""The paper's method, for comparison with the dense one frame by frame.
+
+outline where the whole sign is in view; else for each channel: block mean → clean → Canny and
+dilation → Hough lines → central window → its code; the larger window's four corners give the pose.
+
+Every choice that the paper leaves open is named where it is made. Beyond its letter go only checks
+that refuse a pose: see `padstudio.vision.baseline.decode` for what a pose has to show, and
+`padstudio.vision.baseline.pose` for how sure four corners must be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Channel, Pad
+from padstudio.vision.baseline.central_window import central_window
+from padstudio.vision.baseline.decode import WindowDecoder, WindowRead
+from padstudio.vision.baseline.edges import find_edge_map
+from padstudio.vision.baseline.hough import find_merged_lines
+from padstudio.vision.baseline.line_grid import LineGrid, find_line_grid
+from padstudio.vision.baseline.pose import WindowPose, choose_larger, window_pose
+from padstudio.vision.frame.block_mean import block_mean, clean
+from padstudio.vision.frame.diagnosis import Suspect, diagnose
+from padstudio.vision.frame.prepare import Stretch, find_stretch, prepare, take_channel
+from padstudio.vision.frame.pyramid import Plane, Pyramid
+from padstudio.vision.frame.regions import Region, find_regions
+from padstudio.vision.outline.corner_pose import uncertainty, unsure
+from padstudio.vision.outline.quadrilateral import (
+    OutlinePose,
+    find_outline,
+    outline_pose,
+)
+from padstudio.vision.stage.detection import Detection, Image, StageFailure
+from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.trace import Recorder
+
+LayerName = Literal["red", "green", "blue", "outline"]
+
+# Failures in the order of how near they came to an answer.
+_ORDER = ("outline", "edges", "lines", "grid", "decode", "pose")
+
+
+@dataclass(frozen=True)
+class _Frame:
+    pyramid: Pyramid
+    camera: Camera
+    stretch: Stretch
+    region: Region
+    recorder: Recorder
+
+
+class Paper:
+    """The paper's method for one pad and one camera.
+
+    Parameters
+    ----------
+    pad : Pad
+    camera : Camera
+    params : DetectorParams
+    """
+
+    def __init__(self, pad: Pad, camera: Camera, params: DetectorParams) -> None:
+        self.pad = pad
+        self.camera = camera
+        self.params = params
+        self.decoders: dict[Channel, WindowDecoder] = {
+            layer.channel: WindowDecoder(pad, layer) for layer in pad.layers
+        }
+
+    def detect(self, bgr: Image, recorder: Recorder) -> Detection:
+        """Find the pad in one frame, without any hint."""
+        camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
+        pyramid = prepare(bgr, self.pad, self.params.prepare, recorder)
+        stretch = recorder.run("stretch", None, find_stretch, pyramid)
+        regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
+        frame = _Frame(pyramid, camera, stretch, regions[0], recorder)
+        outline = self._from_outlines(frame, regions)
+        if isinstance(outline, OutlinePose):
+            # A whole sign is larger than any window of it, and the larger area wins.
+            if recorder.keep:
+                recorder.append(self._explain(replace(frame, region=outline.outline.region)))
+            recorder.note("pose", None, outline)
+            return _detection(outline, "outline")
+        found = self._from_windows(frame, regions, outline)
+        if found.failure is None:
+            return found
+        suspect = Suspect(pyramid, camera, self.pad, stretch, regions)
+        return Detection(None, diagnose(suspect, found.failure))
+
+    def _explain(self, frame: _Frame) -> Recorder:
+        """For a trace: the stages that the result did not need."""
+        shown = Recorder(keep=True)
+        self._read_channels(replace(frame, recorder=shown), next(self._levels(frame)), 1)
+        return shown
+
+    def _from_outlines(
+        self, frame: _Frame, regions: Sequence[Region]
+    ) -> OutlinePose | StageFailure:
+        """The pose from the first region that is a whole sign; else why the likeliest is none."""
+        first: StageFailure | None = None
+        for region in regions:
+            found = self._from_outline(replace(frame, region=region))
+            if isinstance(found, OutlinePose):
+                return found
+            first = first or found
+        assert first is not None
+        return first
+
+    def _from_outline(self, frame: _Frame) -> OutlinePose | StageFailure:
+        run, limits = frame.recorder.run, self.params.paper
+        pyramid, camera = frame.pyramid, frame.camera
+        found = run("outline", None, find_outline, pyramid, camera, self.pad, frame.region)
+        if isinstance(found, StageFailure):
+            return found
+        bound = self.params.log10_false_alarm
+        posed = run("outline", None, outline_pose, found, pyramid, camera, self.pad, bound)
+        if isinstance(posed, StageFailure):
+            return posed
+        side_px = math.sqrt(cv2.contourArea(found.corners_xy.astype(np.float32)))
+        share, attitude_deg = limits.most_position_share, limits.most_attitude_deg
+        return unsure(posed.pose, posed.covariance, side_px, share, attitude_deg) or posed
+
+    def _from_windows(
+        self, frame: _Frame, regions: Sequence[Region], nearest: StageFailure
+    ) -> Detection:
+        """The pose from the first scale at which a window is read."""
+        attempts = 0
+        # From near, the pad's colour falls apart into regions; then the whole frame is it.
+        for region in dict.fromkeys((regions[0], regions[-1])):
+            local = replace(frame, region=region)
+            for level in self._levels(local):
+                attempts += len(self.decoders)
+                found = self._from_window(local, level, attempts)
+                if isinstance(found, WindowPose):
+                    return _detection(found, found.read.layer.channel)
+                nearest = max(nearest, found, key=lambda failure: _ORDER.index(failure.stage))
+        return Detection(None, nearest)
+
+    def _from_window(self, frame: _Frame, level: int, attempts: int) -> WindowPose | StageFailure:
+        reads, failures = self._read_channels(frame, level, attempts)
+        if not reads:
+            return max(failures, key=lambda failure: _ORDER.index(failure.stage))
+        choice = frame.recorder.run("choose", None, choose_larger, reads)
+        params = self.params.paper
+        return frame.recorder.run(
+            "pose", None, window_pose, self.pad, frame.camera, choice.read, params
+        )
+
+    def _levels(self, frame: _Frame) -> Iterator[int]:
+        """Scales of the frame, the coarser ones first: there lines are quick to find."""
+        side, params = frame.region.box.side, self.params.paper
+        first = max(0, math.ceil(math.log2(max(side / params.coarsest_px, 1.0))))
+        last = max(0, math.ceil(math.log2(max(side / params.finest_px, 1.0))))
+        yield from range(first, last - 1, -1)
+
+    def _read_channels(
+        self, frame: _Frame, level: int, attempts: int
+    ) -> tuple[list[WindowRead], list[StageFailure]]:
+        found = [self._read_channel(frame, channel, level, attempts) for channel in self.decoders]
+        reads = [item for item in found if isinstance(item, WindowRead)]
+        return reads, [item for item in found if isinstance(item, StageFailure)]
+
+    def _read_channel(
+        self, frame: _Frame, channel: Channel, level: int, attempts: int
+    ) -> WindowRead | StageFailure:
+        run, params = frame.recorder.run, self.params.paper
+        plane = run(
+            "channel",
+            channel,
+            take_channel,
+            frame.pyramid,
+            frame.stretch,
+            channel,
+            level,
+            frame.region.box,
+        )
+        grid = self._find_lines(frame, plane)
+        if isinstance(grid, StageFailure):
+            return grid
+        window = run("grid", channel, central_window, grid, self.pad.window)
+        if isinstance(window, StageFailure):
+            return window
+        decoder = self.decoders[channel]
+        return run("decode", channel, decoder.decode, frame.pyramid, window, attempts, params)
+
+    def _find_lines(self, frame: _Frame, plane: Plane) -> LineGrid | StageFailure:
+        run, params, channel = frame.recorder.run, self.params.paper, plane.channel
+        binary = run("block_mean", channel, block_mean, plane, params.blocks)
+        cleaned = run("clean", channel, clean, binary, params.speck_px)
+        edges = run(
+            "edges", channel, find_edge_map, cleaned, frame.region, frame.camera, self.pad.levels
+        )
+        if isinstance(edges, StageFailure):
+            return edges
+        lines = run("lines", channel, find_merged_lines, edges)
+        if isinstance(lines, StageFailure):
+            return lines
+        return run("lines", channel, find_line_grid, lines)
+
+
+def _detection(found: WindowPose | OutlinePose, layer: LayerName) -> Detection:
+    evidence = found.read.evidence
+    return Detection(
+        pose=found.pose,
+        layer=layer,
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=found.rms_px,
+        uncertainty=uncertainty(found.covariance),
+    )

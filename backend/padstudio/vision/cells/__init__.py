@@ -1,0 +1,1 @@
+"""Cells: which are visible, what level each has, and whether that can be chance."""

@@ -1,0 +1,147 @@
+"""Compiled inner loops of `padstudio.vision.cells.sampling`, which documents what they compute."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.jit import fast_jit
+from padstudio.vision.frame.pixels_kernel import between
+from padstudio.vision.frame.pyramid import Window
+from padstudio.vision.stage.detection import Array
+
+# So many lines of cells tell how wide they are.
+_TELLING = 16
+
+
+@fast_jit
+def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Values (R, C) of a window between its pixels at frame pixels (R, C, 2), 0 where not seen."""
+    h, w = len(window.values), window.width
+    out = np.zeros(seen.shape, np.float32)
+    for r in range(seen.shape[0]):
+        for c in range(seen.shape[1]):
+            if seen[r, c]:
+                x = min(max((xy[r, c, 0] + 0.5) / window.pixel - 0.5, 0.0), w - 1.001)
+                y = min(max((xy[r, c, 1] + 0.5) / window.pixel - 0.5, 0.0), h - 1.001)
+                value = between(window.values, window.step, window.first, x, y)
+                value = window.gain * value + window.black
+                if window.weight:
+                    rows, cols = window.colours.shape
+                    x = min(max(window.scale * x + window.shift, 0.0), cols - 1.001)
+                    y = min(max(window.scale * y + window.shift, 0.0), rows - 1.001)
+                    value += window.weight * between(window.colours, 1, 0, x, y)
+                out[r, c] = value
+    return out
+
+
+@fast_jit
+def spread(nodes: Array, every: int, shape: tuple[int, int]) -> Array:
+    """Places (R, C, 2) between nodes (⌈(R−1)/every⌉ + 1, …, 2) that stand for each such row."""
+    out = np.empty((shape[0], shape[1], 2))
+    for r in range(shape[0]):
+        fr, i = (r % every) / every, r // every
+        below = min(i + 1, len(nodes) - 1)
+        for c in range(shape[1]):
+            fc, k = (c % every) / every, c // every
+            right = min(k + 1, nodes.shape[1] - 1)
+            for axis in range(2):
+                top = nodes[i, k, axis] * (1 - fc) + nodes[i, right, axis] * fc
+                low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
+                out[r, c, axis] = top * (1 - fr) + low * fr
+    return out
+
+
+@fast_jit
+def bring_into_view(xy: Array, width: int, height: int, off_centre: Array) -> NDArray[np.bool_]:
+    """Which cells (R, C, 2) are seen; those cut by the frame's edge are moved to where they show.
+
+    ``off_centre`` (N, 2) holds the places of a cell to try, in cells along columns and rows.
+    """
+    rows, cols = xy.shape[:2]
+    seen = np.zeros((rows, cols), np.bool_)
+    moved = np.empty((rows, cols, 2))
+    for r in range(rows):
+        for c in range(cols):
+            x, y = xy[r, c, 0], xy[r, c, 1]
+            seen[r, c] = 0 <= x <= width - 1 and 0 <= y <= height - 1
+            moved[r, c, 0], moved[r, c, 1] = x, y
+            if seen[r, c] or min(rows, cols) < 2:
+                continue
+            right, below = c - 1 if c + 1 == cols else c, r - 1 if r + 1 == rows else r
+            ax, ay = xy[r, right + 1, 0] - xy[r, right, 0], xy[r, right + 1, 1] - xy[r, right, 1]
+            bx, by = xy[below + 1, c, 0] - xy[below, c, 0], xy[below + 1, c, 1] - xy[below, c, 1]
+            # Few cells lie within one of the frame, and none that are NaN do.
+            reach_x, reach_y = abs(ax) + abs(bx), abs(ay) + abs(by)
+            near_x = -reach_x <= x <= width - 1 + reach_x
+            if not (near_x and -reach_y <= y <= height - 1 + reach_y):
+                continue
+            for across, down in off_centre:
+                px, py = x + across * ax + down * bx, y + across * ay + down * by
+                if 0 <= px <= width - 1 and 0 <= py <= height - 1:
+                    seen[r, c] = True
+                    moved[r, c, 0], moved[r, c, 1] = px, py
+                    break
+    xy[:] = moved
+    return seen
+
+
+@fast_jit
+def width_px(xy: Array, seen: NDArray[np.bool_]) -> float:
+    """Median distance of neighbouring centres (R, C, 2), pixels; of the shorter side under tilt."""
+    rows, cols = seen.shape
+    least = np.inf
+    for down, across in ((0, 1), (1, 0)):
+        steps = np.empty(seen.size)
+        found = 0
+        stride = max(1, (rows if across else cols) // _TELLING)
+        for r in range(0, rows - down, stride if across else 1):
+            for c in range(0, cols - across, stride if down else 1):
+                if seen[r, c] and seen[r + down, c + across]:
+                    x = xy[r + down, c + across, 0] - xy[r, c, 0]
+                    steps[found] = math.hypot(x, xy[r + down, c + across, 1] - xy[r, c, 1])
+                    found += 1
+        if found:
+            least = min(least, float(np.median(steps[:found])))
+    return least if least < np.inf else 1.0
+
+
+@fast_jit
+def leave_out_small(xy: Array, seen: NDArray[np.bool_], least_px: float, enough: int) -> None:
+    """Count cells narrower than so many pixels as not seen, where enough others are wider."""
+    rows, cols = seen.shape
+    wide = np.zeros(seen.shape, np.bool_)
+    count = 0
+    for r in range(rows - 1):
+        for c in range(cols - 1):
+            if seen[r, c]:
+                x, y = xy[r, c, 0], xy[r, c, 1]
+                across = (xy[r, c + 1, 0] - x) ** 2 + (xy[r, c + 1, 1] - y) ** 2
+                down = (xy[r + 1, c, 0] - x) ** 2 + (xy[r + 1, c, 1] - y) ** 2
+                # Beyond the horizon there is no neighbour to measure by.
+                wide[r, c] = not (across < least_px**2 or down < least_px**2)
+                count += wide[r, c]
+    if count < enough:
+        return
+    for r in range(rows):
+        for c in range(cols):
+            seen[r, c] = seen[r, c] and wide[min(r, max(rows - 2, 0)), min(c, max(cols - 2, 0))]
+
+
+@fast_jit
+def compare(
+    levels: NDArray[np.int8], expected: NDArray[np.int8], count: int
+) -> tuple[int, NDArray[np.intp]]:
+    """How many of the cells (R, C) read and expected agree, and how often each level is expected.
+
+    Cells of a negative level in either do not count.
+    """
+    agree, frequency = 0, np.zeros(count, np.intp)
+    for r in range(levels.shape[0]):
+        for c in range(levels.shape[1]):
+            if levels[r, c] >= 0 and expected[r, c] >= 0:
+                frequency[expected[r, c]] += 1
+                agree += levels[r, c] == expected[r, c]
+    return agree, frequency

@@ -1,0 +1,169 @@
+"""Stage `decode`: which place of the pad, and which turn of it, the read cells show.
+
+The whole patch of read cells is correlated with the pad's field at all places and in all four
+turns at once, by Fourier transform: every cell in view votes, a misread one costs one vote, and
+views with less than a full window count as well. `padstudio.vision.cells.evidence` then judges the
+best place by the levels read blind.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.evidence import Evidence, judge
+from padstudio.vision.cells.sampling import CellGrid, relative_field
+from padstudio.vision.stage.detection import Array
+
+Spectrum = NDArray[np.complex128] | NDArray[np.complex64]
+
+_CLIP = 2.0
+# Overlaps of fewer cells with the pad are not looked at.
+_LEAST_OVERLAP = 12
+# At most this many cells a side are correlated.
+_PATCH = 48
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where on a layer the read cells lie.
+
+    Attributes
+    ----------
+    layer : Layer
+    turn : int
+        Counter-clockwise quarter turns that take the read patch to the field.
+    pad_from_lattice : (3, 3) float64
+        Takes homogeneous lattice coordinates (column, row, 1) of the picture to those of the
+        layer.
+    evidence : Evidence
+    cells : CellGrid
+    expected : (R, C) int8
+        Levels that the pad has at the read cells; −1 off the pad.
+    """
+
+    layer: Layer
+    turn: int
+    pad_from_lattice: Array
+    evidence: Evidence
+    cells: CellGrid
+    expected: NDArray[np.int8]
+
+
+class LayerIndex:
+    """A layer prepared for look-up by correlation.
+
+    Parameters
+    ----------
+    pad : Pad
+    layer : Layer
+    """
+
+    def __init__(self, pad: Pad, layer: Layer) -> None:
+        self.pad = pad
+        self.layer = layer
+        self._relative = np.clip(relative_field(layer.field), -_CLIP, _CLIP)
+        self._spectra: dict[int, list[tuple[Spectrum, Spectrum]]] = {}
+
+    def locate(self, cells: CellGrid, attempts: int = 1) -> Placement | None:
+        """The likeliest place of read cells.
+
+        Parameters
+        ----------
+        cells : CellGrid
+            Read from the layer's channel.
+        attempts : int
+            How many other questions were asked of the same frame; it weakens the evidence.
+
+        Returns
+        -------
+        Placement or None
+            The best place, whether or not the evidence suffices; None without any overlap.
+        """
+        rows, cols = self.layer.field.shape
+        top, left, patch = _middle(np.clip(cells.relative, -_CLIP, _CLIP), cells.seen)
+        size = max(rows, cols) + max(patch.shape)
+        side = cv2.getOptimalDFTSize(size)
+        signal = np.fft.rfft2(patch, (side, side)).conj()
+        energy = np.fft.rfft2(patch * patch, (side, side)).conj()
+        best: tuple[float, int, int, int] | None = None
+        for turn, (field, ones) in enumerate(self._spectrum(side)):
+            match = np.fft.irfft2(field * signal, (side, side))
+            weight = np.fft.irfft2(ones * energy, (side, side))
+            score = match / np.sqrt(np.maximum(weight, _LEAST_OVERLAP))
+            peak = int(np.argmax(score))
+            if best is None or score.flat[peak] > best[0]:
+                best = (float(score.flat[peak]), turn, *divmod(peak, side))
+        assert best is not None
+        _, turn, row, col = best
+        shape = self.layer.field.shape if turn % 2 == 0 else self.layer.field.shape[::-1]
+        # A peak in the upper part of the cyclic range stands for a negative shift.
+        row = row - side if row >= shape[0] else row
+        col = col - side if col >= shape[1] else col
+        return self._placement(cells, turn, row - top, col - left, attempts)
+
+    def _spectrum(self, side: int) -> list[tuple[Spectrum, Spectrum]]:
+        """Transforms of the field and of its support, turned clockwise by 0 … 3 quarters."""
+        if side not in self._spectra:
+            ones = np.ones_like(self._relative)
+            self._spectra = {
+                side: [
+                    (
+                        np.fft.rfft2(np.rot90(self._relative, -turn), (side, side)),
+                        np.fft.rfft2(np.rot90(ones, -turn), (side, side)),
+                    )
+                    for turn in range(4)
+                ]
+            }
+        return self._spectra[side]
+
+    def _placement(
+        self, cells: CellGrid, turn: int, row: int, col: int, attempts: int
+    ) -> Placement | None:
+        """The place where the patch's first cell lies in the field turned clockwise."""
+        turned = np.rot90(self.layer.field, -turn)
+        expected = crop(turned, row, col, cells.values.shape)
+        rows, cols = cells.values.shape
+        places = 4 * (self.layer.rows + rows) * (self.layer.cols + cols)
+        evidence = judge(
+            cells.levels(self.pad.levels), expected, self.pad.levels, places * attempts
+        )
+        shift = np.array([[1.0, 0, col - cells.column0], [0, 1.0, row - cells.row0], [0, 0, 1]])
+        to_pad = _turn_back(turn, turned.shape) @ shift
+        return Placement(self.layer, turn, to_pad, evidence, cells, expected)
+
+
+def crop(field: NDArray[np.uint8], row: int, col: int, shape: tuple[int, int]) -> NDArray[np.int8]:
+    """A window of a field that may reach beyond it; −1 there."""
+    out = np.full(shape, -1, np.int8)
+    r0, c0 = max(row, 0), max(col, 0)
+    r1, c1 = min(row + shape[0], field.shape[0]), min(col + shape[1], field.shape[1])
+    if r0 < r1 and c0 < c1:
+        out[r0 - row : r1 - row, c0 - col : c1 - col] = field[r0:r1, c0:c1]
+    return out
+
+
+def _middle(
+    patch: NDArray[np.float32], seen: NDArray[np.bool_]
+) -> tuple[int, int, NDArray[np.float32]]:
+    """The middle of a large patch, and where it begins: more cells do not make a place surer."""
+    rows, cols = np.nonzero(seen.any(axis=1))[0], np.nonzero(seen.any(axis=0))[0]
+    top = max(0, int((rows[0] + rows[-1] + 1) // 2) - _PATCH // 2)
+    left = max(0, int((cols[0] + cols[-1] + 1) // 2) - _PATCH // 2)
+    return top, left, patch[top : top + _PATCH, left : left + _PATCH]
+
+
+def _turn_back(turn: int, shape: tuple[int, ...]) -> Array:
+    """Lattice coordinates of a field turned clockwise to those of the field itself."""
+    rows, cols = shape
+    turns = {
+        0: [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1]],
+        1: [[0.0, 1, 0], [-1.0, 0, cols], [0, 0, 1]],
+        2: [[-1.0, 0, cols], [0, -1.0, rows], [0, 0, 1]],
+        3: [[0.0, -1, rows], [1.0, 0, 0], [0, 0, 1]],
+    }
+    return np.array(turns[turn])

@@ -1,0 +1,153 @@
+"""Reads the level of every visible cell of a lattice: the picture's half of the `decode` stage."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.spec import Channel
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.stage.detection import Array
+
+#: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
+ToPixels = Callable[[Array], Array]
+
+# Cells are read at the level where they are at least this wide, pixels.
+_READING_WIDTH = 3.0
+_LEAST_SIDE = 4
+# Under tilt cells narrower than this are left to the horizon, where enough others are wider.
+_LEAST_WIDTH, _ENOUGH = 2.0, 60
+# Where a cell is read whose centre is out of view: toward a side, then toward a corner, but not so
+# far that its neighbour shows at the scale that cells are read at. Close to the ground such cells
+# are a third of all.
+_OFF_CENTRE = 0.2 * np.array(
+    [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]], float
+)
+# From so many cells on only each of so many is projected, along rows and columns.
+_MANY, _EVERY = 2000, 4
+# Brightness is compared with that of a block of this many cells a side.
+_BLOCK = 9
+
+
+@dataclass(frozen=True, eq=False)
+class CellGrid:
+    """Cells of a part of a lattice as read from one channel.
+
+    Attributes
+    ----------
+    channel : {"red", "green", "blue"}
+    column0, row0 : int
+        Lattice coordinates of the first cell's top-left corner.
+    values : (R, C) float32
+        Grey value at each cell's centre, averaged over a third of a cell or so.
+    seen : (R, C) bool
+        True where a good part of the cell lies in the frame, and is not far smaller than others.
+    relative : (R, C) float32
+        Values less their block's mean over their block's deviation; 0 where not seen.
+    xy : (R, C, 2) float64
+        Where the cells were read, their centres mostly, frame pixels.
+    cell_px : float
+        Median side of a cell, frame pixels.
+    """
+
+    channel: Channel
+    column0: int
+    row0: int
+    values: NDArray[np.float32]
+    seen: NDArray[np.bool_]
+    relative: NDArray[np.float32]
+    xy: Array
+    cell_px: float
+
+    def levels(self, count: int) -> NDArray[np.int8]:
+        """Levels 0 … count−1 as the picture alone tells them, −1 where not seen; (R, C)."""
+        return np.where(self.seen, to_levels(self.relative, count), -1).astype(np.int8)
+
+
+def to_levels(relative: NDArray[np.float32], count: int) -> NDArray[np.int8]:
+    """Levels of block-relative values, for levels that occur equally often.
+
+    Evenly spaced, equally frequent levels 0 … Y−1 have mean (Y−1)/2 and variance (Y²−1)/12.
+    """
+    spread = math.sqrt((count * count - 1) / 12)
+    return np.clip(np.round(relative * spread + (count - 1) / 2), 0, count - 1).astype(np.int8)
+
+
+def read_cells(
+    pyramid: Pyramid,
+    channel: Channel,
+    to_pixels: ToPixels,
+    columns: tuple[int, int],
+    rows: tuple[int, int],
+) -> CellGrid | None:
+    """Read the cells between two columns and two rows of a lattice.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    channel : {"red", "green", "blue"}
+    to_pixels : callable
+    columns, rows : (first, last)
+        Lattice coordinates of the outer corners.
+
+    Returns
+    -------
+    CellGrid or None
+        None where no cell's centre lies in the frame.
+    """
+    from padstudio.vision.cells import cells_kernel
+
+    shape = (rows[1] - rows[0], columns[1] - columns[0])
+    if min(shape) <= 0:
+        return None
+    first = np.array([columns[0], rows[0]]) + 0.5
+    xy = _centres(to_pixels, first, shape)
+    seen = cells_kernel.bring_into_view(xy, pyramid.width, pyramid.height, _OFF_CENTRE)
+    if not seen.any():
+        return None
+    cells_kernel.leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
+    width = cells_kernel.width_px(xy, seen)
+    # A cell as wide as the frame is read at a scale that still has pixels to look between.
+    widest = min(width, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
+    level = math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
+    values = cells_kernel.sample(pyramid.window(channel, level), xy, seen)
+    relative = _relative(values, seen)
+    return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
+
+
+def _centres(to_pixels: ToPixels, first: Array, shape: tuple[int, int]) -> Array:
+    """Where the cells of a lattice lie in the frame, (R, C, 2); the first one's centre is given."""
+    from padstudio.vision.cells import cells_kernel
+
+    # Between a few of many cells the picture of a plane bends by a small part of a cell.
+    every = 1 if shape[0] * shape[1] < _MANY else _EVERY
+    c, r = (np.arange(0, count + every - 1, every) for count in (shape[1], shape[0]))
+    nodes = np.stack(np.meshgrid(first[0] + c, first[1] + r), axis=-1)
+    at = to_pixels(nodes.reshape(-1, 2)).reshape(nodes.shape)
+    return at if every == 1 else cells_kernel.spread(at, every, shape)
+
+
+def _relative(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Block mean: each value against the mean and deviation of the block of cells round it."""
+    weight = seen.astype(np.float32)
+    filled = np.where(seen, values, 0).astype(np.float32)
+    size = (_BLOCK, _BLOCK)
+    count = cv2.boxFilter(weight, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+    total = cv2.boxFilter(filled, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+    square = cv2.boxFilter(
+        filled * filled, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT
+    )
+    count = np.maximum(count, 1)
+    mean = total / count
+    deviation = np.sqrt(np.maximum(square / count - mean * mean, 0.25))
+    return np.where(seen, (filled - mean) / deviation, 0).astype(np.float32)
+
+
+def relative_field(field: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """A pad's field (R, C) seen as `CellGrid.relative` would show it."""
+    return _relative(field.astype(np.float32) * 64, np.ones(field.shape, bool))

@@ -1,0 +1,1 @@
+"""The method `dense`: everything in the picture counts. `method` is its recipe."""

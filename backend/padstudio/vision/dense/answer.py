@@ -1,0 +1,74 @@
+"""What a measurement says to the caller: a detection with its uncertainty, or why there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from padstudio.geometry.planar_pnp import ambiguity
+from padstudio.vision.dense.choose import Choice
+from padstudio.vision.dense.whole_pad import WholeSign
+from padstudio.vision.pose.covariance import with_bend, with_picture_shift
+from padstudio.vision.pose.least_squares import Fit
+from padstudio.vision.pose.refiner import most_residual_px
+from padstudio.vision.pose.results import Measurement
+from padstudio.vision.stage.detection import Detection, Reason, StageFailure, Uncertainty
+
+
+def unfit(measurement: Measurement | None) -> StageFailure | None:
+    """Why no pose may be given, or None where borders lie where the pose puts them."""
+    if measurement is None:
+        detail = "no layer's borders stand where the first pose puts them"
+        return StageFailure("pose", Reason.POSE_REJECTED, detail)
+    residual, cell = measurement.fit.rms_px, measurement.cell_px
+    if residual > most_residual_px(cell):
+        detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
+        return StageFailure("pose", Reason.POSE_REJECTED, detail)
+    return None
+
+
+def of_whole_sign(found: WholeSign, focal_px: float) -> Detection:
+    """The detection of a sign that was matched as a whole."""
+    fit, evidence = found.fit, found.read.evidence
+    return Detection(
+        pose=fit.pose.pose,
+        layer="outline",
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=fit.rms_px,
+        uncertainty=_uncertainty(fit, focal_px),
+    )
+
+
+def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
+    covariance = with_picture_shift(fit.covariance, focal_px)
+    covariance = with_bend(covariance, fit.pose.pose)
+    sigma = np.sqrt(np.diag(covariance))
+    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
+
+
+def of_measurement(measurement: Measurement, choice: Choice) -> Detection:
+    """The detection of a measured pose and the layer it rests on."""
+    fit, evidence = measurement.fit, choice.read.evidence
+    return Detection(
+        pose=fit.pose.pose,
+        layer=choice.read.layer.channel,
+        cells_read=evidence.read,
+        cells_wrong=evidence.wrong,
+        log10_false_alarm=evidence.log10_false_alarm,
+        reprojection_px=fit.rms_px,
+        uncertainty=_uncertainty(fit, measurement.camera.focal_px),
+        ambiguity=_ambiguity(measurement),
+        shift_mm=fit.pose.shift_mm,
+        turn_rad=fit.pose.turn,
+    )
+
+
+def _ambiguity(measurement: Measurement) -> float:
+    points = measurement.borders.points_mm
+    x, y = points[:, 0], points[:, 1]
+    ends = (x.min(), x.max()), (y.min(), y.max())
+    corners = np.array([[x, y, 0.0] for x in ends[0] for y in ends[1]])
+    sigma_px = measurement.fit.rms_px / np.sqrt(max(len(points), 1))
+    sigma = float(sigma_px) / measurement.camera.focal_px
+    return ambiguity(measurement.fit.pose.pose, corners, sigma)

@@ -1,0 +1,104 @@
+"""For a trace: every channel through every stage, at the scale of its own layer.
+
+The search ends at the first channel that answers. Whoever debugs wants to see the others as well,
+so a trace runs the same stages once more for each channel; the result does not depend on it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from padstudio.pad.coverage import METHOD_LIMITS
+from padstudio.pad.spec import Channel
+from padstudio.vision.frame.block_mean import block_mean, clean
+from padstudio.vision.frame.prepare import take_channel
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.frame.regions import Region
+from padstudio.vision.pose.results import LayerRead
+from padstudio.vision.search.search import Miss, Search, find, place
+from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Recorder
+
+# A cell is this wide where its layer is shown, pixels of the plane.
+_SHOWN_CELL_PX = 9.0
+_BLOCKS = 12
+
+
+def explain(
+    frame: Search, region: Region, reads: Sequence[LayerRead], level: int | None
+) -> Recorder:
+    """Run each layer's channel through the stages.
+
+    Parameters
+    ----------
+    frame : Search
+    region : Region
+        Where to look.
+    reads : sequence of LayerRead
+        Layers read with the final pose; empty where there is none.
+    level : int or None
+        Scale for channels of which no cells were read; None for a middling one.
+
+    Returns
+    -------
+    Recorder
+        Holds the records.
+    """
+    recorder = Recorder(keep=True)
+    local = Search(
+        frame.pyramid, frame.camera, frame.stretch, frame.indices, frame.params, recorder
+    )
+    widths = {read.layer.channel: read.cells.cell_px for read in reads}
+    agreed = {read.layer.channel for read in reads if read.evidence.suffices(0.0)}
+    expected = _too_far(frame, reads, agreed)
+    for channel in frame.indices:
+        shown = _level(frame.pyramid, widths.get(channel), level)
+        plane = take_channel(frame.pyramid, frame.stretch, channel, shown, region.box)
+        binary = recorder.run("block_mean", channel, block_mean, plane, _BLOCKS)
+        recorder.run("clean", channel, clean, binary, 2)
+        _run(local, region, shown, channel, known=channel in agreed | expected.keys())
+        if channel in expected:
+            recorder.note("lines", channel, expected[channel])
+    for read in reads:
+        recorder.note("decode", read.layer.channel, read)
+    return recorder
+
+
+def _run(frame: Search, region: Region, level: int, channel: Channel, *, known: bool) -> None:
+    """The search in one channel; where its cells are known anyway, it need not find them."""
+    found = find(frame, region, level, channel, steep=False)
+    if isinstance(found, StageFailure):
+        if not known:
+            frame.recorder.note(found.stage, channel, found)
+        return
+    placed = place(frame, found, region)
+    if isinstance(placed, Miss) and not known:
+        frame.recorder.note("decode", channel, placed.failure)
+
+
+def _too_far(
+    frame: Search, reads: Sequence[LayerRead], agreed: set[Channel]
+) -> dict[Channel, StageFailure]:
+    """Layers whose cells are too small to be read from where the pose says the camera is."""
+    known = next((read for read in reads if read.layer.channel in agreed), None)
+    if known is None:
+        return {}
+    least, found = METHOD_LIMITS["dense"].cell_px, {}
+    for channel, index in frame.indices.items():
+        cell_px = known.cells.cell_px * index.layer.cell_mm / known.layer.cell_mm
+        if channel not in agreed and cell_px < least:
+            detail = (
+                f"its cells are {cell_px:.1f} px wide here, {least:g} are needed: expected from "
+                f"this height, as the pose rests on the {known.layer.channel} layer"
+            )
+            found[channel] = StageFailure("lines", Reason.CELLS_TOO_SMALL, detail)
+    return found
+
+
+def _level(pyramid: Pyramid, cell_px: float | None, level: int | None) -> int:
+    if cell_px is not None:
+        return max(0, math.floor(math.log2(max(cell_px / _SHOWN_CELL_PX, 1.0))))
+    if level is not None:
+        return level
+    return max(0, round(math.log2(max(pyramid.width / 700, 1.0))))

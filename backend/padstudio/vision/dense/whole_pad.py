@@ -1,0 +1,129 @@
+"""The dense method's last resort: a pad so far away that only the sign as a whole is there.
+
+The four sides of the pad's colour give a pose for each of the four turns; the whole pattern is
+then matched to the frame from each of them, and the cells, read with the matched pose, tell which
+turn it is and whether it is this pad at all.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from padstudio.geometry.planar_pnp import planar_pose
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.layout import outline_mm
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.frame.regions import Region, sharper
+from padstudio.vision.outline.quadrilateral import Outline, find_outline
+from padstudio.vision.pose.image_alignment import Match
+from padstudio.vision.pose.least_squares import Fit
+from padstudio.vision.pose.refiner import Refiner
+from padstudio.vision.pose.results import LayerRead
+from padstudio.vision.stage.detection import Reason, StageFailure
+
+# With the sign's own outline there are four places to choose from instead of thousands, so cells
+# that are too small to be read without errors suffice.
+_LEAST_SKILL = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class WholeSign:
+    """A pose from the whole sign.
+
+    Attributes
+    ----------
+    fit : Fit
+    read : LayerRead
+        The coarse layer's cells, read with the pose.
+    outline : Outline
+        Where the search began.
+    """
+
+    fit: Fit
+    read: LayerRead
+    outline: Outline
+
+
+def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailure:
+    """Match the whole sign within its outline.
+
+    Parameters
+    ----------
+    refiner : Refiner
+    region : Region
+        As of `padstudio.vision.frame.regions.find_regions`.
+    """
+    outline = outline_in(refiner, region)
+    if isinstance(outline, StageFailure):
+        return outline
+    best: WholeSign | None = None
+    for start in itertools.chain(*poses_of(outline, refiner.pad)):
+        found = _matched(refiner, outline, start, rough=True)
+        if found is not None and (best is None or _surer(found, best)):
+            best = found
+    if best is not None:
+        best = _matched(refiner, outline, best.fit.pose, rough=False)
+    if best is None:
+        return StageFailure("outline", Reason.NO_OUTLINE, "the outline's corners give no pose")
+    evidence = best.read.evidence
+    if not evidence.suffices(refiner.params.log10_false_alarm, least_skill=_LEAST_SKILL):
+        return StageFailure(
+            "outline",
+            Reason.UNKNOWN_CODE,
+            f"four sides are there, but {evidence.wrong} of {evidence.read} "
+            f"{best.read.layer.channel} cells within them differ from the pad in its best turn",
+        )
+    return best
+
+
+def outline_in(refiner: Refiner, region: Region, finest: int = 0) -> Outline | StageFailure:
+    """The sign's four sides in a region, to a part of a pixel of the pyramid's level."""
+    shape = sharper(refiner.pyramid, refiner.pad, region)
+    return find_outline(refiner.pyramid, refiner.camera, refiner.pad, shape, finest)
+
+
+def poses_of(outline: Outline, pad: Pad) -> list[list[MovingPose]]:
+    """For each turn the pose that shows the pad's corners where the outline's are, with its
+    mirrored answer where there is one."""
+    found = []
+    for turn in range(4):
+        planar = planar_pose(np.roll(outline_mm(pad), turn, axis=0), outline.corners_rays)
+        if planar is not None:
+            poses = [planar.pose, planar.other]
+            found.append([MovingPose(pose) for pose in poses if pose is not None])
+    return found
+
+
+def readable_poses(outline: Outline, refiner: Refiner) -> list[MovingPose]:
+    """Of `poses_of` those of the turn in which coarse cells agree with the pad best, if any do."""
+    best: tuple[float, list[MovingPose]] = (-np.inf, [])
+    for poses in poses_of(outline, refiner.pad):
+        read = refiner.read(_coarse(refiner.pad), poses[0], places=4)
+        if read is not None and read.evidence.suffices(0.0) and read.evidence.skill > best[0]:
+            best = (read.evidence.skill, poses)
+    return best[1]
+
+
+def _matched(
+    refiner: Refiner, outline: Outline, start: MovingPose, *, rough: bool
+) -> WholeSign | None:
+    match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start)
+    rolling = refiner.params.refine.motion
+    fit = match and match.fit(start, motion=False, rolling=rolling, rough=rough)
+    read = fit and refiner.read(_coarse(refiner.pad), fit.pose, places=4)
+    return WholeSign(fit, read, outline) if fit and read else None
+
+
+def _coarse(pad: Pad) -> Layer:
+    return max(pad.layers, key=lambda layer: layer.cell_mm)
+
+
+def _surer(a: WholeSign, b: WholeSign) -> bool:
+    """Cells that agree decide; of two poses that read alike, the better match."""
+    left, right = a.read.evidence, b.read.evidence
+    if abs(left.skill - right.skill) > 0.02:
+        return left.skill > right.skill
+    return a.fit.rms_px < b.fit.rms_px

@@ -1,0 +1,112 @@
+"""The detector: the one object that callers use; it alone knows the methods and the tracking."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from padstudio.errors import ImageError
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Pad
+from padstudio.vision.baseline.method import Paper
+from padstudio.vision.dense.method import Dense
+from padstudio.vision.dense.tracker import Tracker
+from padstudio.vision.frame.yuv import YuvFrame
+from padstudio.vision.stage.detection import Detection, Image, Method
+from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.trace import Recorder
+
+
+class Detector:
+    """Reads one pad through one camera.
+
+    Parameters
+    ----------
+    pad : Pad
+    camera : Camera
+        Frames of another size but the same aspect are read with scaled intrinsics.
+    method : {"dense", "paper"}
+    params : DetectorParams
+    """
+
+    def __init__(
+        self,
+        pad: Pad,
+        camera: Camera,
+        *,
+        method: Method = "dense",
+        params: DetectorParams | None = None,
+    ) -> None:
+        self.pad = pad
+        self.camera = camera
+        self.method = method
+        self.params = params or DetectorParams()
+        self._dense = Dense(pad, camera, self.params)
+        self._paper = Paper(pad, camera, self.params) if method == "paper" else None
+
+    def detect(self, frame: Image | YuvFrame, *, trace: bool = False) -> Detection:
+        """Find the pad in one still.
+
+        Parameters
+        ----------
+        frame : (H, W, 3) uint8, BGR, or YuvFrame
+        trace : bool
+            Keep every stage's output in the result.
+
+        Returns
+        -------
+        Detection
+            ``.pose`` is None where ``.failure`` says why.
+
+        Raises
+        ------
+        ImageError
+            If the picture is not (H, W, 3) uint8.
+        CameraMismatchError
+            If the frame's aspect is not the camera's.
+        """
+        _check(frame)
+        recorder = Recorder(keep=trace)
+        stills = self._paper or self._dense
+        bgr = frame.bgr if isinstance(frame, YuvFrame) else frame
+        return _finish(stills.detect(bgr, recorder), frame, recorder)
+
+    def track(
+        self, frames: Iterable[Image | YuvFrame], *, trace: bool = False
+    ) -> Iterator[Detection]:
+        """Find the pad in a video's frames; the last pose helps the next.
+
+        The cells are compared with the pad in every frame, so a lock that slips is noticed, and
+        the frame is then looked at as a still. The paper's method looks at every frame so.
+        """
+        tracker = Tracker()
+        for frame in frames:
+            expected = tracker.expect() if self._paper is None else None
+            detection = None
+            if expected is not None:
+                _check(frame)
+                recorder = Recorder(keep=trace)
+                followed = self._dense.follow(frame, expected, recorder)
+                detection = _finish(followed, frame, recorder)
+            if detection is None or not detection.ok:
+                detection = self.detect(frame, trace=trace)
+            tracker.learn(detection)
+            yield detection
+
+
+def _check(frame: Image | YuvFrame) -> None:
+    shape = frame.shape
+    dtype = frame.y.dtype if isinstance(frame, YuvFrame) else frame.dtype
+    if len(shape) != 3 or shape[2] != 3 or dtype != np.uint8 or min(shape[:2]) < 16:
+        raise ImageError(
+            f"a frame must be (H, W, 3) uint8 of at least 16 x 16 pixels, not {shape} {dtype}"
+        )
+
+
+def _finish(detection: Detection, frame: Image | YuvFrame, recorder: Recorder) -> Detection:
+    trace = None
+    if recorder.keep:
+        trace = recorder.trace(frame.bgr if isinstance(frame, YuvFrame) else frame)
+    return replace(detection, elapsed_ms=recorder.elapsed_ms(), trace=trace)

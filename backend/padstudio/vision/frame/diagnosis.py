@@ -1,0 +1,209 @@
+"""Why a frame failed, measured on the frame, and what to try.
+
+A stage only knows what it did not find. The cause is often elsewhere: too little light, motion,
+a pad that is too far away, inks that are too much alike. Each suspicion is measured; the first one
+that holds replaces the stage's own reason, and the stage's own words follow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Pad
+from padstudio.vision.frame.prepare import Stretch
+from padstudio.vision.frame.pyramid import Box, Pyramid
+from padstudio.vision.frame.regions import Region
+from padstudio.vision.stage.detection import Reason, StageFailure
+
+# Brightest grey value below which a frame is too dark, and share of burnt-out pixels.
+_DARK_TOP, _BURNT = 24.0, 0.2
+_LEAST_RANGE = 10.0
+# Coarse cells narrower than this can no longer be read, fine ones wider leave no window in view.
+_LEAST_CELL_PX = 2.0
+# Steps as seen without blur spread over so many pixels.
+_SHARP_STEP_PX = 2.0
+_BLUR_PX = 6.0
+_BLUR_RATIO = 0.4
+_CROSSTALK = 0.8
+_SAMPLE = 512
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """What the frame is examined with.
+
+    Attributes
+    ----------
+    pyramid : Pyramid
+    camera : Camera
+    pad : Pad
+    stretch : Stretch
+    regions : list of Region
+        As `find_regions` gives them; the last one is the whole frame.
+    """
+
+    pyramid: Pyramid
+    camera: Camera
+    pad: Pad
+    stretch: Stretch
+    regions: list[Region]
+
+    @property
+    def box(self) -> Box:
+        """The likeliest part of the frame."""
+        return self.regions[0].box
+
+    @property
+    def seen(self) -> bool:
+        """True where a part of the frame has the pad's colour."""
+        return len(self.regions) > 1
+
+
+def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:
+    """The likeliest cause of a failure, with figures and advice.
+
+    Parameters
+    ----------
+    suspect : Suspect
+    failure : StageFailure
+        What the stage that came nearest to an answer says.
+
+    Returns
+    -------
+    StageFailure
+        Of the same stage.
+    """
+    # Few cells that agree are in good light: they are too near, or too far away.
+    checks = (_size,) if failure.reason is Reason.TOO_FEW_CELLS else _CHECKS
+    for check in checks:
+        for reason, detail, advice in check(suspect):
+            return replace(
+                failure, reason=reason, detail=f"{detail}; {failure.detail}", advice=advice
+            )
+    return replace(failure, advice=failure.advice or _ADVICE.get(failure.reason, ""))
+
+
+Finding = tuple[Reason, str, str]
+
+
+def _light(suspect: Suspect) -> Iterator[Finding]:
+    stretch = suspect.stretch
+    top = max(stretch.high)
+    if stretch.bright > _BURNT:
+        yield (
+            Reason.OVEREXPOSED,
+            f"overexposed: {100 * stretch.bright:.0f} % of the picture is burnt out",
+            "lower the exposure by one or two stops, or shade the pad from glare",
+        )
+    if top < _DARK_TOP:
+        yield (
+            Reason.UNDEREXPOSED,
+            f"underexposed: the brightest parts reach {top:.0f} of 255",
+            "raise exposure or gain, or light the pad",
+        )
+    contrast = max(h - low for h, low in zip(stretch.high, stretch.low, strict=True))
+    if contrast < 2 * _LEAST_RANGE and suspect.stretch.dark < 0.5:
+        yield (
+            Reason.NO_CONTRAST,
+            f"the picture is nearly flat: its grey values span {contrast:.0f} of 255",
+            "check that the lens is free and the pad in view",
+        )
+
+
+def _size(suspect: Suspect) -> Iterator[Finding]:
+    """Cells too small or too large, judged by the size of what has the pad's colour."""
+    if not suspect.seen:
+        return
+    pad, box = suspect.pad, suspect.box
+    coarse = max(layer.cell_mm for layer in pad.layers)
+    width_px = max(box.x1 - box.x0, box.y1 - box.y0) / 1.15
+    touches = box.x0 <= 0 or box.y0 <= 0
+    touches = touches or box.x1 >= suspect.pyramid.width or box.y1 >= suspect.pyramid.height
+    cell_px = width_px * coarse / math.hypot(*pad.size_mm)
+    if touches or cell_px >= _LEAST_CELL_PX:
+        return
+    height_m = suspect.camera.focal_px * coarse / _LEAST_CELL_PX / 1000
+    yield (
+        Reason.CELLS_TOO_SMALL,
+        f"the largest cells are about {cell_px:.1f} px wide here, {_LEAST_CELL_PX:.0f} are needed",
+        f"fly below about {height_m:.1f} m with this camera, or print larger cells",
+    )
+
+
+def _blur(suspect: Suspect) -> Iterator[Finding]:
+    """Motion blur flattens steps across its direction and leaves those along it.
+
+    Only where the pad's colour is seen: other things may well have edges of one direction.
+    """
+    if not suspect.seen:
+        return
+    plane = _sample(suspect)
+    energy = []
+    angles = np.arange(0, 180, 15)
+    gx, gy = (cv2.Sobel(plane, cv2.CV_32F, *axes, ksize=3) / 8 for axes in ((1, 0), (0, 1)))
+    for angle in np.radians(angles):
+        slope = gx * math.cos(angle) + gy * math.sin(angle)
+        energy.append(float((slope * slope).mean()))
+    least, most = int(np.argmin(energy)), int(np.argmax(energy))
+    if energy[most] < 1e-3 or energy[least] > _BLUR_RATIO * energy[most]:
+        return
+    length = _SHARP_STEP_PX * energy[most] / max(energy[least], 1e-6)
+    if length < _BLUR_PX:
+        return
+    direction = (180 - int(angles[least])) % 180
+    yield (
+        Reason.MOTION_BLUR,
+        f"motion blur of about {min(length, 99.0):.0f} px along {direction}° in the picture",
+        "shorten the exposure, add light, or fly slower",
+    )
+
+
+def _inks(suspect: Suspect) -> Iterator[Finding]:
+    """The layers are coded apart, so their channels should not go together."""
+    channels = [layer.channel for layer in suspect.pad.layers]
+    if len(channels) < 2 or not suspect.seen:
+        return
+    first, second = (_sample(suspect, channel) for channel in channels[:2])
+    a, b = (plane - cv2.blur(plane, (31, 31)) for plane in (first, second))
+    spread = float(a.std() * b.std())
+    if spread < 1.0:
+        return
+    alike = float((a * b).mean()) / spread
+    if alike > _CROSSTALK:
+        yield (
+            Reason.CROSSTALK,
+            f"{channels[1]} is {100 * alike:.0f} % {channels[0]}",
+            "un-mix by a photo of the test strip, or reprint with purer inks",
+        )
+
+
+def _sample(suspect: Suspect, channel: str | None = None) -> NDArray[np.float32]:
+    """The middle of the likeliest part of the frame, at its own scale, stretched."""
+    box, side = suspect.box, _SAMPLE // 2
+    x, y = (box.x0 + box.x1) // 2, (box.y0 + box.y1) // 2
+    part = Box(
+        max(box.x0, x - side), max(box.y0, y - side), min(box.x1, x + side), min(box.y1, y + side)
+    )
+    layer = next(item for item in suspect.pad.layers if channel in (None, item.channel))
+    values = suspect.pyramid.plane(layer.channel, 0, part).values
+    return np.asarray(values * np.float32(suspect.stretch.gain(layer.channel)), np.float32)
+
+
+_CHECKS: tuple[Callable[[Suspect], Iterator[Finding]], ...] = (_light, _size, _inks, _blur)
+
+_ADVICE = {
+    Reason.NO_EDGES: "check that the pad is in view and in focus",
+    Reason.TOO_FEW_LINES: "check that the pad is in view and lies flat",
+    Reason.NO_LATTICE: "check that the pad is in view, lies flat, and that the camera file is this "
+    "camera's",
+    Reason.UNKNOWN_CODE: "another pad? Choose the file that this one was printed from",
+    Reason.TOO_FEW_CELLS: "fly a little higher, so that more cells are in view",
+    Reason.POSE_REJECTED: "check the camera file, and that the pad lies flat",
+}

@@ -1,0 +1,66 @@
+"""Compiled looks at few of a frame's pixels, as `padstudio.vision.frame.pyramid.Window` shows them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.jit import fast_jit
+from padstudio.vision.frame.pyramid import Window
+
+
+@fast_jit
+def between(values: NDArray[np.uint8], step: int, first: int, x: float, y: float) -> float:
+    """Value between four pixels, of one channel as of `padstudio.vision.frame.pyramid.Window`.
+
+    Column x and row y must be at least 0, and a pixel away from the far ends.
+    """
+    column, row = int(x), int(y)
+    fx, fy = x - column, y - row
+    # Unsigned places are not looked up from the end, which would be asked for at each of them.
+    left, right = np.uintp(column * step + first), np.uintp(column * step + first + step)
+    here, below = np.uintp(row), np.uintp(row + 1)
+    a, b = float(values[here, left]), float(values[below, left])
+    top = a + fx * (values[here, right] - a)
+    return float(top + fy * (b + fx * (values[below, right] - b) - top))
+
+
+@fast_jit
+def impulses(
+    window: Window, corners: NDArray[np.intp], size: int, black: float, white: float, step: float
+) -> int:
+    """Pixels of some squares that are nearly black or white and stand out from their neighbours.
+
+    Colours do not count. The squares' corners (N, 2) are columns and rows; their outermost pixels
+    only serve as neighbours.
+    """
+    found, around = 0, np.empty(9)
+    for x0, y0 in corners:
+        for y in range(y0 + 1, y0 + size - 1):
+            for x in range(x0 + 1, x0 + size - 1):
+                at = x * window.step + window.first
+                value = window.gain * window.values[y, at] + window.black
+                if black < value < white:
+                    continue
+                for k in range(9):
+                    beside = at + (k % 3 - 1) * window.step
+                    around[k] = window.gain * window.values[y + k // 3 - 1, beside] + window.black
+                around.sort()
+                found += abs(value - around[4]) > step
+    return found
+
+
+@fast_jit
+def halved(plane: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
+    """A plane of so many columns at half the scale, by area averaging.
+
+    On frames that the cache does not hold twice as fast as OpenCV's.
+    """
+    # An odd last row or column is left out.
+    out = np.empty((len(plane) // 2, width // 2), np.uint8)
+    for r in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            top = np.uint16(plane[2 * r, 2 * c]) + np.uint16(plane[2 * r, 2 * c + 1])
+            low = np.uint16(plane[2 * r + 1, 2 * c]) + np.uint16(plane[2 * r + 1, 2 * c + 1])
+            out[r, c] = (top + low + 2) >> 2
+    return out

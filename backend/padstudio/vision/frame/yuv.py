@@ -1,0 +1,157 @@
+"""A video frame as its decoder leaves it: brightness, and colours at half its scale.
+
+A frame that is followed needs two channels at the scale of its cells, and few of their pixels at
+that. Making all of BGR first, and halving that, touches six times the bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.spec import Channel
+from padstudio.vision.frame.pyramid import NO_COLOURS, Pyramid, Window
+from padstudio.vision.stage.detection import Image
+
+Standard = Literal["bt601", "bt709"]
+
+#: Shares of red and blue in brightness.
+_SHARES: dict[Standard, tuple[float, float]] = {"bt601": (0.299, 0.114), "bt709": (0.2126, 0.0722)}
+_COLOURS: dict[Channel, str] = {"red": "v", "blue": "u"}
+
+
+@dataclass(frozen=True, eq=False)
+class YuvFrame:
+    """A frame in planes, 4:2:0.
+
+    Attributes
+    ----------
+    y : (H, n) uint8
+    u, v : (H/2, m) uint8
+        Half of an odd side is rounded up. C-contiguous; rows may hold more than the picture.
+    width : int
+        Columns of the picture, W.
+    standard : {"bt601", "bt709"}
+    full_range : bool
+        Brightness is 0 … 255 rather than 16 … 235.
+    make_bgr : callable
+        Gives the frame as (H, W, 3) uint8, BGR.
+    """
+
+    y: Image
+    u: Image
+    v: Image
+    width: int
+    standard: Standard
+    full_range: bool
+    make_bgr: Callable[[], Image]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Of `bgr`."""
+        return int(self.y.shape[0]), self.width, 3
+
+    @cached_property
+    def bgr(self) -> Image:
+        """(H, W, 3) uint8."""
+        return self.make_bgr()
+
+    @property
+    def gain(self) -> tuple[float, float]:
+        """Grey values per unit of brightness, and the brightness of black."""
+        return (1.0, 0.0) if self.full_range else (255 / 219, 16.0)
+
+
+class YuvPyramid(Pyramid):
+    """Halved copies of a frame in planes, each made where somebody asks for it.
+
+    Red = Y + 2 (1 − K_red) V, and blue likewise with U (ITU-R BT.601, BT.709); those who read the
+    pixels take the sum.
+
+    Parameters
+    ----------
+    frame : YuvFrame
+    """
+
+    def __init__(self, frame: YuvFrame) -> None:
+        super().__init__(None)
+        self._frame = frame
+        self._halves = {"y": [frame.y], "u": [frame.u], "v": [frame.v]}
+
+    @property
+    def width(self) -> int:
+        """Width of the frame, pixels."""
+        return self._frame.shape[1]
+
+    @property
+    def height(self) -> int:
+        """Height of the frame, pixels."""
+        return self._frame.shape[0]
+
+    def level(self, number: int) -> Image:
+        """As of `Pyramid`, from all colours."""
+        if not self._levels:
+            self._levels.append(self._frame.bgr)
+        return super().level(number)
+
+    def window(self, channel: Channel, level: int) -> Window:
+        """As of `Pyramid`."""
+        if channel == "green":
+            return super().window(channel, level)
+        bright, colours = self._half("y", level), self._half(_COLOURS[channel], max(level - 1, 0))
+        gain, black, weight = self._mixture(channel)
+        return Window(
+            values=bright,
+            colours=colours,
+            width=bright.shape[1] if level else self.width,
+            pixel=2.0**level,
+            gain=gain,
+            black=black,
+            weight=weight,
+            scale=1.0 if level else 0.5,
+            shift=0.0 if level else -0.25,
+        )
+
+    @property
+    def brightness(self) -> Window:
+        """As of `Pyramid`."""
+        gain, black = self._frame.gain
+        values = self._frame.y
+        return Window(values, NO_COLOURS, self.width, 1.0, gain=gain, black=-gain * black)
+
+    def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
+        """As of `Pyramid`."""
+        if channel == "green":
+            return super().values_at(channel, xy)
+        gain, black, weight = self._mixture(channel)
+        half = xy // 2
+        bright = self._frame.y[xy[:, 1], xy[:, 0]].astype(np.float32)
+        colour = self._half(_COLOURS[channel], 0)[half[:, 1], half[:, 0]].astype(np.float32)
+        return np.asarray(gain * bright + weight * colour + black, np.float32)
+
+    def _mixture(self, channel: Channel) -> tuple[float, float, float]:
+        """Grey values of a channel per unit of brightness, at black, and per unit of its colour."""
+        frame = self._frame
+        gain, black = frame.gain
+        share = _SHARES[frame.standard][0 if channel == "red" else 1]
+        weight = 2 * (1 - share) * (1.0 if frame.full_range else 255 / 224)
+        return gain, -gain * black - 128 * weight, weight
+
+    def _half(self, name: str, times: int) -> Image:
+        from padstudio.vision.frame import pixels_kernel
+
+        made = self._halves[name]
+        # Halving streams through a plane, so that those who look here and there find it in the
+        # cache; and what is halved once more is asked for later.
+        while len(made) <= times + 1:
+            first = self.width if name == "y" else -(-self.width // 2)
+            width = first if len(made) == 1 else made[-1].shape[1]
+            if min(len(made[-1]), width) < 2:
+                break
+            made.append(pixels_kernel.halved(made[-1], width))
+        return made[times]

@@ -1,0 +1,1 @@
+"""The whole sign by its four sides, where cells are too small to read."""

@@ -1,0 +1,1 @@
+"""From a first pose to the refined one: borders, least squares, alignment, covariance."""

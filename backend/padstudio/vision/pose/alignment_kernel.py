@@ -1,0 +1,252 @@
+"""Compiled inner loop of `padstudio.vision.pose.image_alignment`: the frame against the pattern, pixel by pixel.
+
+One pass over the pixels keeps every intermediate value in the processor's registers; arrays of
+them would be some hundred bytes a pixel, and a step's cost that of moving them about.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.jit import fast_jit
+from padstudio.vision.stage.detection import Array
+
+#: Terms of a shading; those that a layer's gain shares with it come first.
+SHADE, GAIN = 6, 3
+#: Pixels that are gathered at a time.
+BLOCK = 64
+
+
+@fast_jit
+def blurred_cells(
+    cells: NDArray[np.float32], cell_px: float, sigma_px: float, length: int
+) -> NDArray[np.float32]:
+    """Rows of cells (n, w) drawn ``cell_px`` high and blurred by a Gaussian, (length, w)."""
+    n, w = cells.shape
+    out = np.zeros((length, w), np.float32)
+    bend = 1 / (sigma_px * math.sqrt(2.0))
+    for y in range(length):
+        # Four standard deviations hold all but a ten-thousandth of the light.
+        first = max(0, int((y + 0.5 - 4 * sigma_px) / cell_px))
+        last = min(n, int((y + 0.5 + 4 * sigma_px) / cell_px) + 1)
+        for k in range(first, last):
+            upper, lower = k * cell_px - y - 0.5, (k + 1) * cell_px - y - 0.5
+            share = np.float32(0.5 * (math.erf(lower * bend) - math.erf(upper * bend)))
+            for x in range(w):
+                out[y, x] += share * cells[k, x]
+    return out
+
+
+@fast_jit
+def meet_pad(
+    ray: Array, s: float, rotation: Array, centre: Array, shift: Array, turn: Array, out: Array
+) -> None:
+    """Where a ray meets the pad, mm, and how that moves with centre and turn: (2, 7) into ``out``.
+
+    A ray v of moment s meets z = 0 at C + t d, with d = R(v + s w × v) and t = −C_z / d_z.
+    """
+    v0 = ray[0] + s * (turn[1] * ray[2] - turn[2] * ray[1])
+    v1 = ray[1] + s * (turn[2] * ray[0] - turn[0] * ray[2])
+    v2 = ray[2] + s * (turn[0] * ray[1] - turn[1] * ray[0])
+    dx = rotation[0, 0] * v0 + rotation[0, 1] * v1 + rotation[0, 2] * v2
+    dy = rotation[1, 0] * v0 + rotation[1, 1] * v1 + rotation[1, 2] * v2
+    dz = rotation[2, 0] * v0 + rotation[2, 1] * v1 + rotation[2, 2] * v2
+    reach = -(centre[2] + s * shift[2]) / dz
+    leanx, leany = dx / dz, dy / dz
+    out[0, 0] = centre[0] + s * shift[0] + reach * dx
+    out[1, 0] = centre[1] + s * shift[1] + reach * dy
+    out[0, 1], out[0, 2], out[0, 3] = 1.0, 0.0, -leanx
+    out[1, 1], out[1, 2], out[1, 3] = 0.0, 1.0, -leany
+    for k in range(3):
+        # The k-th unit vector times the ray.
+        c0 = ray[2] if k == 1 else -ray[1] if k == 2 else 0.0
+        c1 = ray[0] if k == 2 else -ray[2] if k == 0 else 0.0
+        c2 = ray[1] if k == 0 else -ray[0] if k == 1 else 0.0
+        tx = rotation[0, 0] * c0 + rotation[0, 1] * c1 + rotation[0, 2] * c2
+        ty = rotation[1, 0] * c0 + rotation[1, 1] * c1 + rotation[1, 2] * c2
+        tz = rotation[2, 0] * c0 + rotation[2, 1] * c1 + rotation[2, 2] * c2
+        out[0, 4 + k] = reach * (tx - leanx * tz)
+        out[1, 4 + k] = reach * (ty - leany * tz)
+
+
+@fast_jit
+def shown_at(layer: NDArray[np.float32], x: float, y: float) -> tuple[float, float, float]:
+    """The value of a picture between its pixels and its slopes there; beyond its rim the rim's."""
+    h, w = layer.shape
+    x, y = min(max(x, 0.0), w - 1.001), min(max(y, 0.0), h - 1.001)
+    c, r = np.uintp(x), np.uintp(y)
+    fx, fy = x - c, y - r
+    here, right = layer[r, c], layer[r, c + 1]
+    below, beyond = layer[r + 1, c], layer[r + 1, c + 1]
+    top, low = here + fx * (right - here), below + fx * (beyond - below)
+    along = right - here + fy * (beyond - below - right + here)
+    return float(top + fy * (low - top)), float(along), float(low - top)
+
+
+@fast_jit
+def match_pattern(
+    rays: Array,
+    moment: Array,
+    shade: Array,
+    tile: NDArray[np.intp],
+    tiles: int,
+    values: NDArray[np.float32],
+    layers: NDArray[np.float32],
+    place: Array,
+    rotation: Array,
+    centre: Array,
+    shift: Array,
+    turn: Array,
+    known: Array,
+    scale: Array,
+    size: int,
+) -> tuple[Array, Array, Array, NDArray[np.float32]]:
+    """Normal equations of pose and brightness, for each of C channels.
+
+    Parameters
+    ----------
+    rays, moment, shade, tile : (N, 3), (N,), (N, 6) float64, (N,) int
+        As of `padstudio.vision.pose.template.Pixels`; tiles are 0 … ``tiles`` − 1.
+    values : (C, N) float32
+    layers : (L, h, w) float32
+    place : (4,) float64
+        Texture pixel of pad points: x = place[0] + place[1] X, y = place[2] + place[3] Y.
+    rotation, centre, shift, turn
+        As of `padstudio.geometry.rolling_shutter.MovingPose`.
+    known : (C, 6 + 3 L) float64
+        Brightness: the shading, then each layer's gain.
+    scale : (C,) float64
+        Residuals beyond it are trusted little; 0 trusts all alike.
+    size : int
+        Parameters of the pose that are sought: 0, 6 or 12.
+
+    Returns
+    -------
+    normal : (C, M, M) float64
+        Lower triangle, M = size + 6 + 3 L.
+    right : (C, tiles, M) float64
+    sums : (C, 4) float64
+        Of weighted squared residuals, of weights, of the weights' steepness (as of
+        `padstudio.vision.pose.covariance.newton_share`), and of squared slopes per mm.
+    residuals : (C, N) float32
+    """
+    channels, linear = len(values), SHADE + GAIN * len(layers)
+    width = size + linear
+    normal = np.zeros((channels, width, width))
+    right, sums = np.zeros((channels, tiles, width)), np.zeros((channels, 4))
+    residuals = np.empty(values.shape, np.float32)
+    rows, met = np.zeros((width, BLOCK)), np.empty((2, 7))
+    reach, slopes = np.zeros((14, BLOCK)), np.zeros((2 * len(layers), BLOCK))
+    left, weight = np.zeros(BLOCK), np.zeros(BLOCK)
+    for first in range(0, len(rays), BLOCK):
+        end = min(first + BLOCK, len(rays))
+        for i in range(first, end):
+            meet_pad(rays[i], moment[i], rotation, centre, shift, turn, met)
+            for k in range(7):
+                reach[k, i - first], reach[7 + k, i - first] = met[0, k], met[1, k]
+        part = slice(first, end)
+        show(layers, reach, place, shade[part], rows[size:], slopes)
+        for c in range(channels):
+            compare(values[c, part], rows[size:], known[c], scale[c], left, weight, sums[c])
+            for i in range(first, end):
+                residuals[c, i] = left[i - first]
+            if size > 0:
+                lean(known[c], rows, slopes, reach, place, moment[part], size, sums[c])
+            gather(rows, weight, left, tile[part], normal[c], right[c])
+    return normal, right, sums, residuals
+
+
+@fast_jit
+def show(
+    layers: NDArray[np.float32],
+    reach: Array,
+    place: Array,
+    shade: Array,
+    terms: Array,
+    slopes: Array,
+) -> None:
+    """A block's terms of brightness (6 + 3 L, n), and the layers' slopes (2 L, n)."""
+    for i in range(len(shade)):
+        for a in range(SHADE):
+            terms[a, i] = shade[i, a]
+    for k in range(len(layers)):
+        layer, base = layers[k], SHADE + GAIN * k
+        for i in range(len(shade)):
+            x, y = place[0] + place[1] * reach[0, i], place[2] + place[3] * reach[7, i]
+            shown, slopes[2 * k, i], slopes[2 * k + 1, i] = shown_at(layer, x, y)
+            for a in range(GAIN):
+                terms[base + a, i] = shown * shade[i, a]
+
+
+@fast_jit
+def compare(
+    values: NDArray[np.float32],
+    terms: Array,
+    known: Array,
+    scale: float,
+    left: Array,
+    weight: Array,
+    sums: Array,
+) -> None:
+    """Residuals of a block of pixels and what they are trusted; beyond the block's end nothing."""
+    left[:], weight[:] = 0.0, 0.0
+    left[: len(values)] = values
+    for a in range(len(known)):
+        for i in range(len(values)):
+            left[i] -= known[a] * terms[a, i]
+    for i in range(len(values)):
+        share = 1.0 / (1 + (left[i] / scale) ** 2) if scale > 0 else 1.0
+        weight[i] = share * share
+        sums[0] += weight[i] * left[i] * left[i]
+        sums[1] += weight[i]
+        sums[2] += weight[i] * (4 * share - 3)
+
+
+@fast_jit
+def lean(
+    known: Array,
+    rows: Array,
+    slopes: Array,
+    reach: Array,
+    place: Array,
+    moment: Array,
+    size: int,
+    sums: Array,
+) -> None:
+    """Change of a block's pixels with the pose, (size, n) into ``rows``."""
+    for i in range(len(moment)):
+        along = down = 0.0
+        for k in range(len(slopes) // 2):
+            gain = 0.0
+            for a in range(GAIN):
+                gain += known[SHADE + GAIN * k + a] * rows[size + a, i]
+            along += gain * slopes[2 * k, i] * place[1]
+            down += gain * slopes[2 * k + 1, i] * place[3]
+        sums[3] += along * along + down * down
+        for a in range(6):
+            rows[a, i] = along * reach[1 + a, i] + down * reach[8 + a, i]
+        for a in range(6, size):
+            rows[a, i] = moment[i] * rows[a - 6, i]
+
+
+@fast_jit
+def gather(
+    rows: Array, weight: Array, left: Array, tile: NDArray[np.intp], normal: Array, right: Array
+) -> None:
+    """Add a block's normal equations; whole blocks at a time go through vector registers."""
+    weighted = np.empty(BLOCK)
+    for a in range(len(rows)):
+        for i in range(BLOCK):
+            weighted[i] = weight[i] * rows[a, i]
+        for b in range(a + 1):
+            total = 0.0
+            for i in range(BLOCK):
+                total += weighted[i] * rows[b, i]
+            normal[a, b] += total
+    for i in range(len(tile)):
+        pull = weight[i] * left[i]
+        for a in range(len(rows)):
+            right[tile[i], a] += pull * rows[a, i]

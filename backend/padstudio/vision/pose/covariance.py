@@ -1,0 +1,121 @@
+"""How sure a fitted pose is, from its residuals as they are rather than as they should be.
+
+Residuals near each other in the picture are alike: they share pixels, blocks of compression, what
+the lens model leaves over. Taken for independent they promise too much. So the picture is divided
+into tiles, and the scatter of the tiles' sums of scores stands for that of single residuals.
+
+References
+----------
+Liang, K.-Y. and Zeger, S. L. (1986). Longitudinal data analysis using generalized linear models.
+doi:10.1093/biomet/73.1.13. Schmidt, S. F. (1966). Application of state-space methods to navigation
+problems: parameters that are not estimated, but considered.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.pose import Pose
+from padstudio.vision.stage.detection import Array
+
+#: Tiles a side over what was measured.
+TILES = 8
+# Scatter over what independent residuals would have; fewer tiles than needed may show less.
+_LEAST_SCATTER = 0.5
+_LEAST_SHARE = 0.3
+# Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
+_PICTURE_SHIFT_PX = 0.03
+
+
+def newton_share(weight: Array, trust: Array | float = 1.0) -> float:
+    """How much steeper the robust sum of squares looks to its weights than it is.
+
+    With weights 1/(1 + x²)² of residuals x over their cut-off, least squares are solved as if the
+    weights stood still; that they fall as residuals grow makes the answer less sure.
+
+    Parameters
+    ----------
+    weight : (N,) float
+        1/(1 + x²)².
+    trust : (N,) float64 or float
+        What each residual is weighted with besides.
+    """
+    share = np.sqrt(weight)
+    steep = weight * (4 * share - 3)
+    return least_share(float((trust * steep).sum() / max((trust * weight).sum(), 1e-12)))
+
+
+def least_share(share: float) -> float:
+    """A share as of `newton_share`, where few residuals may not make it absurdly small."""
+    return max(share, _LEAST_SHARE)
+
+
+def tiles_of(xy: Array) -> NDArray[np.intp]:
+    """The tile, 0 … TILES² − 1, in which each of some pixels (N, 2) lies."""
+    low_x, low_y = xy[:, 0].min(), xy[:, 1].min()
+    across = TILES / max(float(xy[:, 0].max() - low_x), 1e-9)
+    down = TILES / max(float(xy[:, 1].max() - low_y), 1e-9)
+    column = np.minimum(((xy[:, 0] - low_x) * across).astype(np.intp), TILES - 1)
+    row = np.minimum(((xy[:, 1] - low_y) * down).astype(np.intp), TILES - 1)
+    return np.asarray(row * TILES + column, np.intp)
+
+
+def pose_covariance(normal: Array, scores: Array, pull: Array) -> Array:
+    """Covariance of the solution of normal equations.
+
+    Parameters
+    ----------
+    normal : (K, K) float64
+        Inverse covariance if all residuals were independent and as large as assumed, with what is
+        known beforehand.
+    scores : (T, K) float64
+        Sums over tiles of the gradients of single residuals at the solution.
+    pull : (K, M) float64
+        What one standard deviation of each of M things that are not measured adds to the right
+        side: of what is known beforehand, and of what the model leaves out.
+
+    Returns
+    -------
+    (K, K) float64
+        Nowhere below half the inverse of ``normal``.
+    """
+    size, used = len(normal), int(np.count_nonzero(np.abs(scores).sum(axis=1)))
+    root = _inverse_root(normal)
+    white = root.T @ np.column_stack([scores.T, pull])
+    seen, unseen = white[:, : len(scores)], white[:, len(scores) :]
+    # The fit makes the sums smaller than they would be about the truth.
+    scatter = seen @ seen.T * (used / max(used - size, 1)) + unseen @ unseen.T
+    values, vectors = np.linalg.eigh(scatter)
+    spread = root @ (vectors * np.sqrt(np.maximum(values, _LEAST_SCATTER)))
+    return np.asarray(spread @ spread.T)
+
+
+def _inverse_root(normal: Array) -> Array:
+    """(K, K), which times its transpose is the inverse of a matrix; units may differ widely."""
+    unit = 1 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    values, vectors = np.linalg.eigh(normal * np.outer(unit, unit))
+    return np.asarray(unit[:, None] * vectors / np.sqrt(np.maximum(values, 1e-14)))
+
+
+def with_picture_shift(covariance: Array, focal_px: float) -> Array:
+    """A pose's covariance (6, 6) with what moves all of a picture alike: a turn of the camera."""
+    out = covariance.copy()
+    out[[3, 4], [3, 4]] += (_PICTURE_SHIFT_PX / focal_px) ** 2
+    return out
+
+
+def with_bend(covariance: Array, pose: Pose) -> Array:
+    """A pose's covariance (6, 6) with what its own size makes of it in the second order.
+
+    Where tilt and standing aside look alike, poses that fit lie on an arc about the pad rather than
+    on a line: a camera that is off by δ along it is nearer by δ²/2 of its distance, and turned
+    about its axis by as much.
+    """
+    axis = pose.rotation[:, 2]
+    bend = float(np.linalg.eigvalsh(covariance[3:, 3:])[-1]) / 2
+    along = bend * pose.position_mm[2] / max(-axis[2], 0.1) * axis
+    out = covariance.copy()
+    out[:3, :3] += np.outer(along, along)
+    out[5, 5] += bend**2
+    return out

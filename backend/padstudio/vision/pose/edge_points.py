@@ -1,0 +1,165 @@
+"""The borders between cells of unlike level: what the pose is measured on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.visible import visible_range
+from padstudio.vision.frame.pyramid import Window
+from padstudio.vision.stage.detection import Array
+
+#: Fewer borders leave a pose undetermined.
+LEAST_BORDERS = 12
+# So many borders tell how wide cells are.
+_TELLING = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Borders:
+    """Middles of cell borders of one layer.
+
+    Attributes
+    ----------
+    points_mm : (N, 3) float64
+        Pad frame.
+    across_mm : (N, 3) float64
+        From the middle one cell further across the border, pad frame.
+    along_mm : (N, 3) float64
+        Half a cell along the border, pad frame.
+    step : (N,) float64
+        Level behind the border less level before it, over Y−1.
+    """
+
+    points_mm: Array
+    across_mm: Array
+    along_mm: Array
+    step: Array
+
+    def take(self, which: NDArray[np.intp]) -> Borders:
+        """Some of the borders."""
+        return Borders(
+            self.points_mm[which], self.across_mm[which], self.along_mm[which], self.step[which]
+        )
+
+    def thinned(self, most: int) -> Borders:
+        """At most ``most`` of the borders, evenly spread."""
+        stride = -(-len(self.step) // most)
+        return self if stride <= 1 else self.take(np.arange(0, len(self.step), stride))
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Borders found in a picture.
+
+    Attributes
+    ----------
+    borders : Borders
+    xy : (N, 2) float64
+        Where the steps lie, frame pixels.
+    weight : (N,) float64
+        Relative trust, 0 … 1.
+    """
+
+    borders: Borders
+    xy: Array
+    weight: Array
+
+    def thinned(self, most: int) -> Measured:
+        """At most ``most`` of them, evenly spread."""
+        stride = -(-len(self.xy) // most)
+        if stride <= 1:
+            return self
+        which = np.arange(0, len(self.xy), stride)
+        return Measured(self.borders.take(which), self.xy[which], self.weight[which])
+
+
+def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
+    """Borders of unlike cells of a layer that lie in the frame, at most ``most``, evenly spread."""
+    from padstudio.vision.pose import edge_points_kernel
+
+    rows, cols = visible_range(pad, layer, camera, pose.pose)
+    sides = (layer.cell_mm * pad.scale[0], layer.cell_mm * pad.scale[1])
+    found = edge_points_kernel.borders_in_view(
+        layer.field,
+        rows,
+        cols,
+        np.array([*sides, *pad.size_mm]),
+        pad.levels,
+        *MovingPose(pose.pose).plain(camera),
+        camera.width,
+        most,
+    )
+    points, across, along, step = found
+    return Borders(points, across, along, step)
+
+
+def measurable_borders(
+    pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int, least_px: float
+) -> tuple[Borders, float]:
+    """Of `visible_borders` those of cells wide enough, and the median width of their cells.
+
+    Under tilt the many cells far away must not pass for those that can be measured. Where hardly
+    any are wide enough, all are given. Widths are frame pixels.
+    """
+    borders = visible_borders(pad, layer, camera, pose, most)
+    if not len(borders.step):
+        return borders, 0.0
+    width_px = _widths_px(borders.thinned(_TELLING), camera, pose)
+    if width_px.min() < least_px:
+        every = _widths_px(borders, camera, pose)
+        wide = np.flatnonzero(every >= least_px)
+        if len(wide) >= LEAST_BORDERS:
+            borders, width_px = borders.take(wide), every[wide]
+    return borders, float(np.median(width_px))
+
+
+def _widths_px(borders: Borders, camera: Camera, pose: MovingPose) -> Array:
+    """Widths of the cells at borders, (N,); 0 beyond the horizon."""
+    step = pose.project(camera, borders.points_mm + 0.05 * borders.across_mm)
+    step -= pose.project(camera, borders.points_mm)
+    return np.asarray(np.nan_to_num(20 * np.hypot(step[:, 0], step[:, 1])))
+
+
+def measure(
+    borders: Borders, window: Window, camera: Camera, pose: MovingPose, reach_px: float
+) -> Measured:
+    """Find each border's step near where a pose predicts it.
+
+    Along the normal of each predicted border a short profile is taken, averaged over three lines
+    side by side; the step lies at the centroid of the squared slope of the right sign. The profile
+    is smoothed first, else a sharp step is drawn to the pixels' grid: by 0.1 px, and in cells of
+    whole pixels all alike.
+
+    A tone curve steepens the dark half of a blurred step, so that its middle seems to lie there:
+    by a third of a pixel in a sharp picture, more where it is blurred, and then not alike for
+    upright and level borders. Borders that rise and those that fall are off by opposite amounts,
+    while a pose that is not yet right moves both alike; half the difference of their medians is
+    taken off.
+
+    Parameters
+    ----------
+    borders : Borders
+    window : Window
+    camera : Camera
+    pose : MovingPose
+    reach_px : float
+        Half length of a profile, pixels of the window; never more than 0.42 of a cell.
+    """
+    from padstudio.vision.pose import edge_points_kernel
+
+    which, xy, weight = edge_points_kernel.find_borders(
+        borders.points_mm,
+        borders.along_mm,
+        borders.across_mm,
+        borders.step,
+        *pose.plain(camera),
+        window,
+        reach_px,
+    )
+    return Measured(borders.take(which), xy, weight)

@@ -1,0 +1,222 @@
+"""Stage `pose`, second half: all borders, all visible layers, least squares with covariance.
+
+Each border's measured point must lie on the border's predicted line; the distance is measured on
+the plane z = 1, undistorted. With p the border's point in the camera frame, x = p/z its picture
+and n the normal of the border's picture, the distance is (ray − x)·n; from p = Rᵀ(P − C) follow
+dp/dC = −Rᵀ and, for a turn w of the camera, dp = −w × p. A rolling shutter reads rows one after
+another, so a second model lets the pose change steadily from top to bottom; it is taken only
+where the residuals ask for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
+from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, normalized
+from padstudio.vision.pose.covariance import (
+    TILES,
+    newton_share,
+    pose_covariance,
+    tiles_of,
+)
+from padstudio.vision.pose.edge_points import LEAST_BORDERS, Measured
+from padstudio.vision.stage.detection import Array
+
+# Expected change while a frame is read: of position, sideways and in height, as a share of height,
+# of attitude in radians. A landing drone's 0.5 m/s at 2 m and 10°/s in 20 ms are of this size.
+# Change of height looks like tilt to a rolling shutter, so its bound is what keeps them apart.
+_SHIFT_SIGMA, _CLIMB_SIGMA, _TURN_SIGMA = 0.005, 0.0005, 0.004
+# A known motion is held to this many times more tightly, in variances.
+_KNOWN_MOTION = 4.0
+# What a change of height may really be where nobody knows, for the covariance: a third of the
+# height a second, in 25 ms.
+_CLIMB_CONSIDERED = 0.008
+_CLIMB = 8
+# The moving model must lower the sum of squares by this many variances, six being free.
+_MOTION_GAIN = 40.0
+_CHANCE_GAIN = 6.0
+# What lens, sensor and ink leave over near the ground is no motion, however well it is measured.
+_LEAST_RMS_PX = 0.06
+_LEAST_INLIERS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A pose fitted to measured borders.
+
+    Attributes
+    ----------
+    pose : MovingPose
+    rms_px : float
+        Root mean square of the weighted residuals, frame pixels.
+    inliers : (N,) bool
+        Which of the measured borders, or of the matched pixels, count.
+    find_covariance : callable
+        Makes `covariance`; few fits are ever asked for it.
+    doubt : (6,) float64
+        By how much the model that was not chosen disagrees, in the covariance's units, as far as
+        it may be right.
+    """
+
+    pose: MovingPose
+    rms_px: float
+    inliers: NDArray[np.bool_]
+    find_covariance: Callable[[], Array]
+    doubt: Array = field(default_factory=lambda: np.zeros(6))
+
+    @cached_property
+    def covariance(self) -> Array:
+        """(6, 6) float64: centre (mm, pad frame), then attitude (radians, camera axes)."""
+        return self.find_covariance() + np.outer(self.doubt, self.doubt)
+
+
+def fit_pose(
+    start: MovingPose,
+    measured: Measured,
+    camera: Camera,
+    *,
+    motion: bool,
+    iterations: int = 4,
+    known: KnownMotion | None = None,
+    rolling: bool = True,
+) -> Fit | None:
+    """Fit a pose to measured borders by robust Gauss–Newton.
+
+    Parameters
+    ----------
+    start : MovingPose
+    measured : Measured
+    camera : Camera
+    motion : bool
+        Let the pose change within the frame.
+    iterations : int
+    known : KnownMotion or None
+        What the change within the frame should be near to.
+    rolling : bool
+        The shutter may roll, so that an unseen change of height enters the covariance.
+
+    Returns
+    -------
+    Fit or None
+        None where fewer than twelve borders were measured, or they leave the pose undetermined.
+    """
+    from padstudio.vision.pose import least_squares_kernel
+
+    if len(measured.xy) < LEAST_BORDERS:
+        return None
+    rays = normalized(camera, measured.xy)
+    moment = start.moment(camera, measured.xy[:, 1])
+    size = 12 if motion else 6
+    prior = MotionPrior.of(start, known, size)
+    begin = start if motion else MovingPose(start.pose)
+    solved, rotation, centre, shift, turn, rows, sigma = least_squares_kernel.fit(
+        measured.borders.points_mm,
+        measured.borders.along_mm,
+        rays,
+        moment,
+        measured.weight,
+        np.ascontiguousarray(begin.pose.rotation),
+        begin.pose.position_mm,
+        begin.shift_mm,
+        begin.turn,
+        prior.weight,
+        prior.expected,
+        camera.focal_px,
+        iterations,
+    )
+    residual = rows[:, 0]
+    inliers = np.abs(residual) < 4 * sigma
+    if not solved or not np.isfinite(residual).all() or inliers.sum() < _LEAST_INLIERS:
+        return None
+    trust = measured.weight[inliers]
+    rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
+
+    def find_covariance() -> Array:
+        trust = least_squares_kernel.trust_of(residual, measured.weight, sigma)
+        normal = least_squares_kernel.normal_equations(rows, moment, trust, 12)[0]
+        robust = trust * sigma**2 / np.maximum(measured.weight, 1e-12)
+        normal *= newton_share(robust, measured.weight)
+        scores = least_squares_kernel.scores(
+            rows, moment, trust, tiles_of(measured.xy), TILES**2, size
+        )
+        return prior.covariance(normal, scores, rolling=rolling)
+
+    return Fit(MovingPose(Pose(centre, rotation), shift, turn), rms, inliers, find_covariance)
+
+
+def better_of(still: Fit, moving: Fit | None) -> Fit:
+    """The moving model where the residuals ask for it, else the still one."""
+    if moving is None:
+        return still
+    count = int(still.inliers.sum())
+    gain = count * (still.rms_px**2 - moving.rms_px**2) / max(moving.rms_px, _LEAST_RMS_PX) ** 2
+    if gain > _MOTION_GAIN:
+        return moving
+    # Six free parameters gain six variances by chance; what gains more may well be right.
+    doubt = still.pose.step_to(moving.pose) * np.sqrt(np.clip(gain / _CHANCE_GAIN, 0.0, 1.0))
+    return replace(still, doubt=doubt)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionPrior:
+    """What is known beforehand of the change within a frame; nothing is of the pose itself.
+
+    Attributes
+    ----------
+    weight : (6,) or (12,) float64
+        Inverse variances of the parameters.
+    expected : (6,) or (12,) float64
+    climb_sigma : float
+        What the change of height may really be off by, mm. Change of height looks like tilt, so
+        the pose is found as if it were known, but it is no surer than that.
+    """
+
+    weight: Array
+    expected: Array
+    climb_sigma: float
+
+    @classmethod
+    def of(cls, start: MovingPose, known: KnownMotion | None, size: int) -> MotionPrior:
+        """The prior at a height, round no motion or a known one."""
+        height = max(abs(float(start.pose.position_mm[2])), 1.0)
+        weight, expected = np.zeros(12), np.zeros(12)
+        weight[6:8] = 1 / (_SHIFT_SIGMA * height) ** 2
+        weight[8] = 1 / (_CLIMB_SIGMA * height) ** 2
+        weight[9:12] = 1 / _TURN_SIGMA**2
+        if known is not None:
+            weight *= _KNOWN_MOTION
+            expected[6:9], expected[9:] = known.shift_mm, known.turn
+        climb_sigma = _CLIMB_CONSIDERED * height if known is None else known.climb_sigma_mm
+        return cls(weight[:size], expected[:size], climb_sigma)
+
+    def pull(self, pose: MovingPose) -> Array:
+        """The prior's part of the right side of the normal equations."""
+        now = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[: len(self.weight)]
+        return np.asarray(self.weight * (self.expected - now))
+
+    def covariance(self, normal: Array, scores: Array, *, rolling: bool) -> Array:
+        """Covariance (6, 6) of the pose.
+
+        Parameters
+        ----------
+        normal : (12, 12) float64
+            Of the residuals alone, for a pose that changes.
+        scores : (T, 6) or (T, 12) float64
+            As of `padstudio.vision.pose.covariance.pose_covariance`.
+        rolling : bool
+        """
+        size = len(self.weight)
+        pull = np.diag(np.sqrt(self.weight))
+        if size > _CLIMB:
+            pull[_CLIMB] *= max(1.0, self.climb_sigma * np.sqrt(self.weight[_CLIMB]))
+        elif rolling:
+            pull = np.column_stack([pull, normal[:size, _CLIMB] * self.climb_sigma])
+        inner = normal[:size, :size] + np.diag(self.weight)
+        return pose_covariance(inner, scores, pull)[:6, :6]

@@ -1,0 +1,263 @@
+"""Stage `pose`: from a first pose to the best one the picture allows, layer by layer.
+
+Coarse layers first, with few borders: they bring the pose near enough to tell the finer layer's
+borders apart. Then all borders of the finest one. A layer counts only where its cells, read with
+the refined pose, agree with the pad.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.evidence import judge
+from padstudio.vision.cells.sampling import read_cells
+from padstudio.vision.cells.visible import to_pad, visible_range
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.pose.edge_points import (
+    LEAST_BORDERS,
+    Borders,
+    Measured,
+    measurable_borders,
+    measure,
+)
+from padstudio.vision.pose.image_alignment import FOLLOWED_PIXELS, MOST_PIXELS, Match
+from padstudio.vision.pose.least_squares import Fit, better_of, fit_pose
+from padstudio.vision.pose.results import LayerRead, Measurement, Rung
+from padstudio.vision.stage.detection import Array
+from padstudio.vision.stage.params import DetectorParams
+
+# Profiles reach this far, and are taken where a cell is about this wide, pixels of the window.
+_REACH_PX = 6.0
+_CELL_PX = 9.0
+_MOST_RESIDUAL = 0.12
+# So many places lie within reach of an expected pose.
+_NEAR_BY = 25
+# So many borders decide between a still and a moving camera; all of them then fit the pose.
+_DECIDING = 800
+# Borders this near to their prediction, in cells, need not be measured again to settle.
+_SETTLED = 0.1
+# Expectations this near, in cells, need no coarser layer's help, and no first look.
+_WITHIN, _HERE = 0.2, 0.05
+# Residuals this small, in cells, need no motion to be brought nearer.
+_QUIET = 0.05
+
+
+@dataclass(frozen=True)
+class Refiner:
+    """What refinement needs to know of its frame.
+
+    Attributes
+    ----------
+    pyramid : Pyramid
+    camera : Camera
+        At the frame's size.
+    pad : Pad
+    params : DetectorParams
+    attempts : int
+        How many lattices were tried all over the pad before the first pose; it weakens the
+        evidence. 0 where the pose was expected: then only places near by compete.
+    motion : KnownMotion or None
+        The change within the frame, where it is known.
+    """
+
+    pyramid: Pyramid
+    camera: Camera
+    pad: Pad
+    params: DetectorParams
+    attempts: int
+    motion: KnownMotion | None = None
+
+    @property
+    def _most_borders(self) -> int:
+        refine = self.params.refine
+        if self.attempts:
+            return refine.most_borders
+        return min(refine.most_borders, refine.followed_borders)
+
+    def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
+        """Readable layers, the coarse ones first, each with the pose that it led to.
+
+        Parameters
+        ----------
+        start : MovingPose
+        good_mm : float
+            Layers with larger cells have nothing to add to ``start``; their borders only count
+            in the end.
+        """
+        pose = start
+        rungs: list[Rung] = []
+        for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
+            rung = self._rung(layer, pose)
+            if rung is not None:
+                rungs.append(self._looked_at(rung, 2 if layer.cell_mm <= good_mm else 0))
+                pose = rungs[-1].pose
+        return rungs
+
+    def follow(self, expected: MovingPose, miss_px: float) -> Measurement | None:
+        """Measure the finest readable layer right where a pose is expected.
+
+        None where its cells are small against ``miss_px``, by which the expectation may be off, or
+        disagree with the pad: coarser layers may then lead there.
+        """
+        for layer in sorted(self.pad.layers, key=lambda item: item.cell_mm):
+            rung = self._rung(layer, expected)
+            if rung is not None:
+                if miss_px > _WITHIN * rung.cell_px:
+                    return None
+                return self.polish(
+                    [self._looked_at(rung, 1 if miss_px > _HERE * rung.cell_px else 0)]
+                )
+        return None
+
+    def _rung(self, layer: Layer, pose: MovingPose) -> Rung | None:
+        """A layer's borders where a pose puts them, or None where it cannot be read."""
+        least_px = self.params.refine.least_cell_px
+        borders, cell_px = measurable_borders(
+            self.pad, layer, self.camera, pose, self._most_borders, least_px
+        )
+        if len(borders.step) < LEAST_BORDERS or cell_px < least_px:
+            return None
+        return Rung(layer, borders, cell_px, pose, np.inf)
+
+    def _looked_at(self, rung: Rung, times: int) -> Rung:
+        """The rung with the pose that a few of its borders lead to."""
+        few, cell_px = rung.borders.thinned(self.params.refine.few_borders), rung.cell_px
+        for _ in range(times):
+            measured = self._measure(rung.layer, few, rung.pose, cell_px, sharper=0)
+            fit = self._fit(rung.pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
+            if fit is None:
+                break
+            away_px = rung.pose.apart_px(fit.pose, self.camera.focal_px)
+            rung = replace(rung, pose=fit.pose, rms_px=fit.rms_px)
+            if away_px < _SETTLED * cell_px:
+                break
+        return rung
+
+    def polish(self, rungs: list[Rung]) -> Measurement | None:
+        """Measure all borders of the finest layer, or of a coarser one where its cells disagree.
+
+        Lenses and sensors shift channels against each other by parts of a pixel, so that borders of
+        two layers together would tell a pose that suits neither.
+        """
+        for last in range(len(rungs), 0, -1):
+            rung = rungs[last - 1]
+            fit, measured = self._finish(rung)
+            if fit is None:
+                continue
+            read = self.read(rung.layer, fit.pose)
+            if read is not None and read.evidence.suffices(0.0):
+                borders = rung.borders if measured is None else measured.borders
+                camera, cell_px = self.camera, rung.cell_px
+                return Measurement(fit, rung.layer, borders, measured, camera, cell_px, read)
+        return None
+
+    def is_far(self, rung: Rung) -> bool:
+        """True where the finest cells are so small that the pattern is matched as a whole."""
+        finest = min(layer.cell_mm for layer in self.pad.layers)
+        return rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px
+
+    def matched(self, rungs: list[Rung]) -> list[Rung]:
+        """The rungs, the last one's pose matched to some pixels of the whole pattern."""
+        last = rungs[-1]
+        match = Match.of(self.pyramid, self.camera, self.pad, last.pose)
+        fit = None if match is None else match.fit(last.pose, motion=False, rough=True)
+        pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
+        return [*rungs[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
+
+    def _finish(self, rung: Rung) -> tuple[Fit | None, Measured | None]:
+        """The best pose for a rung: by the whole pattern from afar, else by all borders."""
+        if self.is_far(rung):
+            fit = self._match(rung)
+            # Glare bends the shading beyond what the match allows for; borders bear it.
+            if fit is not None and fit.rms_px <= most_residual_px(rung.cell_px):
+                return fit, None
+        measured = self._measure(rung.layer, rung.borders, rung.pose, rung.cell_px, sharper=1)
+        rolling = self.params.refine.motion
+        if self.motion is not None and rolling:
+            return self._fit(rung.pose, measured, iterations=4), measured
+        fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
+        if fit is None:
+            return None, measured
+        motion = not fit.pose.still
+        full = fit_pose(
+            fit.pose, measured, self.camera, motion=motion, iterations=2, rolling=rolling
+        )
+        return (replace(full, doubt=fit.doubt) if full else fit), measured
+
+    def _match(self, rung: Rung) -> Fit | None:
+        """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
+        start = rung.pose
+        most = MOST_PIXELS if self.attempts else FOLLOWED_PIXELS
+        match = rung.match or Match.of(self.pyramid, self.camera, self.pad, start, most)
+        if match is None:
+            return None
+        rolling = self.params.refine.motion
+        if self.motion is not None and rolling:
+            return match.fit(start, motion=True, known=self.motion)
+        still = match.fit(start, motion=False, rolling=rolling)
+        if still is None or not rolling:
+            return still
+        return better_of(still, match.fit(still.pose, motion=True))
+
+    def _fit(
+        self, start: MovingPose, measured: Measured, *, iterations: int, quiet_px: float = 0.0
+    ) -> Fit | None:
+        """A still fit, or a moving one where its motion is known or the residuals ask for it."""
+        if self.motion is not None and self.params.refine.motion:
+            return fit_pose(
+                start, measured, self.camera, motion=True, iterations=iterations, known=self.motion
+            )
+        fit = fit_pose(start, measured, self.camera, motion=False, iterations=iterations)
+        if fit is None or not self.params.refine.motion or fit.rms_px < quiet_px:
+            return fit
+        moving = fit_pose(fit.pose, measured, self.camera, motion=True, iterations=iterations)
+        return better_of(fit, moving)
+
+    def read(
+        self, layer: Layer, pose: MovingPose, *, places: int | None = None
+    ) -> LayerRead | None:
+        """Read a layer's visible cells where a pose puts them, and compare them with the pad.
+
+        Parameters
+        ----------
+        layer : Layer
+        pose : MovingPose
+        places : int, optional
+            Among how many places this one was chosen; all of the layer's by default.
+        """
+        rows, cols = visible_range(self.pad, layer, self.camera, pose.pose)
+        if rows[0] >= rows[1] or cols[0] >= cols[1]:
+            return None
+
+        def to_pixels(coordinates: Array) -> Array:
+            return pose.project(self.camera, to_pad(self.pad, layer, coordinates))
+
+        cells = read_cells(self.pyramid, layer.channel, to_pixels, cols, rows)
+        if cells is None:
+            return None
+        expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
+        if places is None:
+            everywhere = 4 * layer.rows * layer.cols * self.attempts
+            places = everywhere if self.attempts else _NEAR_BY
+        evidence = judge(cells.levels(self.pad.levels), expected, self.pad.levels, places)
+        area = float(cells.seen.sum()) * layer.cell_mm**2
+        return LayerRead(layer, cells, expected, evidence, area)
+
+    def _measure(
+        self, layer: Layer, borders: Borders, pose: MovingPose, cell_px: float, *, sharper: int
+    ) -> Measured:
+        level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
+        level = max(0, level - sharper)
+        window = self.pyramid.window(layer.channel, level)
+        return measure(borders, window, self.camera, pose, _REACH_PX)
+
+
+def most_residual_px(cell_px: float) -> float:
+    """Residuals beyond this mean that the borders are not those of cells of this width."""
+    return _MOST_RESIDUAL * cell_px + 1.0

@@ -1,0 +1,84 @@
+"""What refining a pose hands on: a layer under way, a measurement, the cells read with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.spec import Layer
+from padstudio.vision.cells.evidence import Evidence
+from padstudio.vision.cells.sampling import CellGrid
+from padstudio.vision.pose.edge_points import Borders, Measured
+from padstudio.vision.pose.image_alignment import Match
+from padstudio.vision.pose.least_squares import Fit
+
+
+@dataclass(frozen=True, eq=False)
+class LayerRead:
+    """A layer's cells read with a known pose.
+
+    Attributes
+    ----------
+    layer : Layer
+    cells : CellGrid
+    expected : (R, C) int8
+        Levels that the pad has there.
+    evidence : Evidence
+    area_mm2 : float
+        Area of the cells read.
+    """
+
+    layer: Layer
+    cells: CellGrid
+    expected: NDArray[np.int8]
+    evidence: Evidence
+    area_mm2: float
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """A refined pose and what it rests on.
+
+    Attributes
+    ----------
+    fit : Fit
+    layer : Layer
+        The finest layer that was measured.
+    borders : Borders
+        Its borders in view.
+    measured : Measured or None
+        Those that were found; None where the pattern was matched as a whole.
+    camera : Camera
+        At the frame's size.
+    cell_px : float
+        Median width of a cell of the layer, frame pixels.
+    read : LayerRead
+        The layer's cells.
+    """
+
+    fit: Fit
+    layer: Layer
+    borders: Borders
+    measured: Measured | None
+    camera: Camera
+    cell_px: float
+    read: LayerRead
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """A readable layer with its borders in view, and what its few borders gave.
+
+    From afar ``match`` compares the whole pattern near its pose.
+    """
+
+    layer: Layer
+    borders: Borders
+    cell_px: float
+    pose: MovingPose
+    rms_px: float
+    match: Match | None = None

@@ -1,0 +1,1 @@
+"""The search for a lattice where no earlier pose helps."""

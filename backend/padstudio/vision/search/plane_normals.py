@@ -1,0 +1,134 @@
+"""Stage `lines`, dense, first half: the plane of the grid and the two directions of its lines.
+
+The camera is calibrated and the lines are at right angles on the pad, so both families follow
+from one rotation: every edge that lies on a grid line is parallel, on the pad, to one of two
+axes at 90°. For a candidate plane normal each edge has an angle on the plane; four times that
+angle agrees for both families, so the length of the mean of exp(4i·angle) tells how well the
+normal fits. From the best ones the axes are turned until edges point along them in the picture.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.vision.search.edges import EdgeSet
+from padstudio.vision.stage.detection import Array
+
+# Rings of candidate normals: (tilt in degrees, how many); denser where foreshortening is strong.
+_LOW_RINGS = ((12, 6), (23, 11), (33, 15), (42, 20))
+_HIGH_RINGS = ((50, 24), (57, 30), (63, 36), (68, 42), (72, 48), (76, 54))
+_COARSE_EDGES, _FINE_EDGES = 800, 2000
+_STARTS = 3
+# A coherence from which no other start need be tried, unless planes are steep.
+_CLEAR = 0.5
+#: Below this cosine of tilt a plane is seen too flat to be read.
+LEAST_COSINE = 0.17
+_MOST_WEIGHT = 6.0
+# Edges seen along the plane by less than this sine lie beyond the horizon for all we know.
+_LEAST_DEPTH = 0.05
+# A climb ends where steps this small lead nowhere.
+_LEAST_STEP_DEG = 0.15
+# Axes are then turned to fit the edges' angles in the picture: first and last cut-off, radians.
+_CUTS, _TURNS, _TURNING_EDGES = (0.25, 0.05), 16, 1200
+
+
+def _ring(rings: tuple[tuple[int, int], ...]) -> Array:
+    normals = []
+    for tilt, count in rings:
+        azimuth = 2 * math.pi * (np.arange(count) + (count % 2) / 2) / count
+        t = math.radians(tilt)
+        normals.append(
+            np.stack(
+                [
+                    math.sin(t) * np.cos(azimuth),
+                    math.sin(t) * np.sin(azimuth),
+                    np.full(count, math.cos(t)),
+                ],
+                axis=1,
+            )
+        )
+    return np.concatenate(normals)
+
+
+_LOW = np.concatenate([[[0.0, 0.0, 1.0]], _ring(_LOW_RINGS)])
+_HIGH = _ring(_HIGH_RINGS)
+
+
+def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
+    """Candidate axes of the grid, the most coherent first.
+
+    Parameters
+    ----------
+    edges : EdgeSet
+    steep : bool
+        Start from planes tilted by more than 45° rather than less; it takes four times as long.
+
+    Returns
+    -------
+    list of (coherence, axes)
+        At most three; axes as in `LineFamilies`.
+    """
+    rays = edges.rays / np.linalg.norm(edges.rays, axis=1, keepdims=True)
+    coarse = np.arange(0, len(rays), max(1, len(rays) // _COARSE_EDGES))
+    fine = np.arange(0, len(rays), max(1, len(rays) // _FINE_EDGES))
+    found: list[tuple[float, Array]] = []
+    normals = _HIGH if steep else _LOW
+    score = np.abs(_coherence(normals, edges.lines[coarse], rays[coarse])[0])
+    for start in _distinct(normals, score):
+        found.append(_climb(start, edges.lines[fine], rays[fine]))
+        if found[-1][0] > _CLEAR and not steep:
+            break
+    found.sort(key=lambda item: -item[0])
+    kept: list[tuple[float, Array]] = []
+    for item in found:
+        if all(item[1][2] @ other[1][2] < math.cos(math.radians(3)) for other in kept):
+            kept.append(item)
+    return kept[:_STARTS]
+
+
+def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.complex128], Array]:
+    """Mean of exp(4i·angle on the plane) for each normal, and the planes' first axes.
+
+    Each edge is weighted by how much the plane's angle turns for a turn in the picture, so that
+    edges of no order give zero for every normal; the norm is that of Cauchy and Schwarz, so that
+    a few heavy edges cannot win. Near edges count for more, as cells shrink with distance, and a
+    plane that most edges cannot lie on, being behind the camera there, loses their share.
+    """
+    from padstudio.vision.search import search_kernel as kernels
+
+    first = np.array([1.0, 0.0, 0.0]) - normals * normals[:, :1]
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return kernels.coherence(normals, lines, rays, first, _MOST_WEIGHT, _LEAST_DEPTH), first
+
+
+def _distinct(normals: Array, score: Array) -> list[Array]:
+    starts: list[Array] = []
+    for k in np.argsort(-score):
+        if all(normals[k] @ other < math.cos(math.radians(12)) for other in starts):
+            starts.append(normals[k])
+        if len(starts) == _STARTS:
+            break
+    return starts
+
+
+def _climb(normal: Array, lines: Array, rays: Array) -> tuple[float, Array]:
+    """Walk a normal to the nearest maximum of coherence by shrinking steps."""
+    from padstudio.vision.search import search_kernel as kernels
+
+    normal = kernels.climb(
+        normal, lines, rays, _MOST_WEIGHT, _LEAST_DEPTH, LEAST_COSINE, _LEAST_STEP_DEG
+    )
+    mean, first = _coherence(normal[None], lines, rays)
+    angle = float(np.angle(mean[0])) / 4
+    second = np.cross(normal, first[0])
+    axis = math.cos(angle) * first[0] + math.sin(angle) * second
+    axes = np.stack([axis, np.cross(normal, axis), normal])
+    # Under strong perspective coherence peaks some degrees off the plane; angles do not.
+    few = slice(None, None, max(1, len(rays) // _TURNING_EDGES))
+    turned = kernels.turn_axes(
+        axes, np.ascontiguousarray(lines[few]), np.ascontiguousarray(rays[few]), *_CUTS, _TURNS
+    )
+    return float(abs(mean[0])), turned if turned[2, 2] > LEAST_COSINE else axes

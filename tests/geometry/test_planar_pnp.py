@@ -1,0 +1,52 @@
+"""First poses from points of the plane."""
+
+import numpy as np
+import pytest
+from dense_frames import errors, random_pose
+
+from padstudio.geometry.planar_pnp import planar_pose
+from padstudio.geometry.pose import look_at_pad
+
+POINTS = np.column_stack([np.random.default_rng(2).uniform(-100, 100, (25, 2)), np.zeros(25)])
+
+
+def rays_of(pose, points=POINTS):
+    seen = (points - pose.position_mm) @ pose.rotation
+    return seen[:, :2] / seen[:, 2:]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_exact_points_give_the_exact_pose(seed):
+    pose = random_pose(np.random.default_rng(seed), 400.0, tilt_deg=70.0)
+    found = planar_pose(POINTS, rays_of(pose))
+    assert found is not None
+    position, attitude = errors(found.pose, pose)
+    assert position < 1e-3
+    assert attitude < 1e-3
+    assert found.error < 1e-6
+    assert 0 <= found.ambiguity <= 1
+
+
+def test_a_small_far_pad_has_two_answers_of_which_one_is_right():
+    pose = look_at_pad(4000.0, tilt_deg=35, heading_deg=20, tilt_towards_deg=110)
+    noise = np.random.default_rng(3).normal(0, 2e-4, (25, 2))
+    found = planar_pose(POINTS, rays_of(pose) + noise)
+    assert found is not None
+    assert found.other is not None
+    assert found.ambiguity > 0.5
+    answers = [errors(item, pose)[1] for item in (found.pose, found.other)]
+    assert min(answers) < 12
+
+
+def test_a_near_tilted_pad_has_one_clear_answer():
+    pose = look_at_pad(250.0, tilt_deg=40, tilt_towards_deg=60)
+    found = planar_pose(POINTS, rays_of(pose))
+    assert found is not None
+    assert found.ambiguity < 0.05
+
+
+def test_points_on_a_line_give_no_pose_that_is_wrong():
+    line = POINTS.copy()
+    line[:, 1] = 0
+    found = planar_pose(line, rays_of(look_at_pad(400.0), line))
+    assert found is None or np.isfinite(found.pose.position_mm).all()

@@ -1,0 +1,67 @@
+"""Hough segments and their merging."""
+
+import cv2
+import numpy as np
+import pytest
+from paper_frames import HEIGHT, WIDTH, edge_map
+
+from padstudio.vision.baseline.edges import EdgeMap
+from padstudio.vision.baseline.hough import find_merged_lines, homogeneous
+from padstudio.vision.stage.detection import Reason, StageFailure
+
+
+def drawn(strokes):
+    """An edge map with straight strokes in it."""
+    blank = edge_map()
+    thin = np.zeros((HEIGHT, WIDTH), np.uint8)
+    for start, end in strokes:
+        cv2.line(thin, start, end, 255, 1)
+    y, x = np.nonzero(thin)
+    mask = cv2.dilate(thin, np.ones((3, 3), np.uint8))
+    points = np.stack([x, y], axis=1).astype(float)
+    return EdgeMap(thin, mask, points, blank.plane, blank.camera)
+
+
+DASHES = [((60 + 90 * k, 100), (110 + 90 * k, 100)) for k in range(6)]
+UPRIGHT = [((x, 40), (x, 440)) for x in (150, 300, 450)]
+
+
+def test_pieces_of_a_line_become_one():
+    found = find_merged_lines(drawn([*DASHES, *UPRIGHT]))
+    flat = [k for k, line in enumerate(found.homogeneous) if abs(line[1]) > 0.99]
+    assert len(found.ends) == 4
+    assert len(flat) == 1
+    ends = np.sort(found.ends[flat[0]][:, 0])
+    np.testing.assert_allclose(ends, (60, 560), atol=3)
+    # Six dashes of 50 pixels: the gaps between them are no support.
+    assert found.support[flat[0]] == pytest.approx(300, abs=25)
+
+
+def test_parallel_lines_stay_apart():
+    found = find_merged_lines(drawn([((50, y), (590, y)) for y in (100, 112, 124, 136)]))
+    offsets = np.sort(np.abs(found.homogeneous[:, 2]))
+    np.testing.assert_allclose(offsets, (100, 112, 124, 136), atol=0.4)
+
+
+def test_a_slanting_line_is_fitted_to_a_part_of_a_pixel():
+    strokes = [((40, 60), (600, 401)), *UPRIGHT]
+    found = find_merged_lines(drawn(strokes))
+    true = homogeneous(np.array([strokes[0]], float))[0]
+    slanting = min(found.homogeneous, key=lambda line: abs(abs(line @ [*true[:2], 0]) - 1))
+    for x in (40, 320, 600):
+        y = -(true[0] * x + true[2]) / true[1]
+        assert abs(slanting @ (x, y, 1)) < 0.35
+
+
+@pytest.mark.parametrize("shape", [(-1, 1, 4), (-1, 4)])
+def test_both_forms_of_the_hough_transforms_answer_are_read(monkeypatch, shape):
+    edges = drawn([*DASHES, *UPRIGHT])
+    segments = np.array([[*start, *end] for start, end in [*DASHES, *UPRIGHT]], np.int32)
+    monkeypatch.setattr(cv2, "HoughLinesP", lambda *_, **__: segments.reshape(shape))
+    assert len(find_merged_lines(edges).ends) == 4
+
+
+def test_no_lines_is_a_failure():
+    found = find_merged_lines(edge_map())
+    assert isinstance(found, StageFailure)
+    assert found.reason is Reason.TOO_FEW_LINES

@@ -1,0 +1,40 @@
+"""The compiled looks at few pixels against their plain forms."""
+
+import cv2
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from padstudio.vision.frame import pixels_kernel
+from padstudio.vision.frame.pyramid import Pyramid, halved
+
+
+@given(
+    height=st.integers(2, 40), width=st.integers(2, 40), more=st.integers(0, 9), seed=st.integers(0)
+)
+def test_planes_are_halved_as_pictures_are(height, width, more, seed):
+    rows = np.random.default_rng(seed).integers(0, 256, (height, width + more)).astype(np.uint8)
+    found = pixels_kernel.halved(rows, width)
+    np.testing.assert_array_equal(found, halved(np.ascontiguousarray(rows[:, :width])))
+
+
+def test_values_lie_between_those_of_four_pixels():
+    rng = np.random.default_rng(3)
+    frame = rng.integers(0, 256, (20, 30, 3)).astype(np.uint8)
+    window = Pyramid(frame).window("blue", 0)
+    for x, y in rng.uniform(0, 18, (200, 2)):
+        found = pixels_kernel.between(window.values, window.step, window.first, x, y)
+        c, r = int(x), int(y)
+        part = frame[r : r + 2, c : c + 2, 0].astype(float)
+        weights = np.outer([1 - y + r, y - r], [1 - x + c, x - c])
+        np.testing.assert_allclose(found, (part * weights).sum(), atol=1e-9)
+
+
+def test_impulses_of_a_blurred_picture_are_none():
+    noise = np.random.default_rng(1).integers(0, 256, (120, 160, 3)).astype(np.uint8)
+    smooth = cv2.GaussianBlur(noise, (0, 0), 3)
+    corners = np.array([[0, 0], [60, 20]])
+    for frame, some in ((smooth, False), (noise, True)):
+        window = Pyramid(frame).brightness
+        found = pixels_kernel.impulses(window, corners, 90, 8.0, 247.0, 60.0)
+        assert (found > 0) == some

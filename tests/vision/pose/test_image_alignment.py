@@ -1,0 +1,74 @@
+"""The whole pattern matched to a far pad."""
+
+import numpy as np
+import pytest
+from dense_frames import errors, frame_of, random_pose, sample_pad, small_camera
+
+from padstudio.geometry.pose import look_at_pad
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.simulate.imaging import Imaging
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.pose.image_alignment import Match
+
+CAMERA = small_camera()
+
+
+def view(pose, imaging=None):
+    return Pyramid(frame_of(pose, camera=CAMERA, imaging=imaging))
+
+
+def matched(pyramid, start):
+    return Match.of(pyramid, CAMERA, sample_pad(), start).fit(start, motion=False)
+
+
+@pytest.mark.parametrize("height_mm", [2500.0, 5000.0])
+def test_a_start_off_by_a_pixel_is_mended(height_mm):
+    pose = random_pose(np.random.default_rng(int(height_mm)), height_mm, tilt_deg=25.0)
+    nudge = np.array([0.7, -0.5, 1.0]) * height_mm / 440
+    start = MovingPose(pose).moved(np.concatenate([nudge, [0.0005, -0.0005, 0.001]]))
+    fit = matched(view(pose), start)
+    assert fit is not None
+    position, attitude = errors(fit.pose.pose, pose)
+    assert position < 0.3
+    assert attitude < 0.2
+    error = fit.pose.step_to(MovingPose(pose))
+    assert error @ np.linalg.solve(fit.covariance + np.eye(6) * 1e-9, error) / 6 < 6
+    assert 0 < fit.rms_px < 3
+
+
+def test_light_that_falls_off_does_not_move_it():
+    pose = look_at_pad(3000.0, tilt_deg=15, heading_deg=40)
+    image = frame_of(pose, camera=CAMERA, imaging=Imaging(brightness=0.3, vignetting=0.6))
+    fit = matched(Pyramid(image), MovingPose(pose))
+    assert fit is not None
+    assert errors(fit.pose.pose, pose)[0] < 0.2
+
+
+def test_a_pad_of_too_few_pixels_or_out_of_view_is_not_matched():
+    pyramid = view(look_at_pad(60_000.0))
+    far = MovingPose(look_at_pad(60_000.0))
+    assert Match.of(pyramid, CAMERA, sample_pad(), far) is None
+    away = MovingPose(look_at_pad(3000.0, target_mm=(9000, 0)))
+    assert Match.of(pyramid, CAMERA, sample_pad(), away) is None
+
+
+def test_a_rough_match_tells_a_right_start_from_a_mirrored_one():
+    pose = look_at_pad(3500.0, tilt_deg=25, heading_deg=70, tilt_towards_deg=10)
+    mirrored = look_at_pad(3500.0, tilt_deg=25, heading_deg=70, tilt_towards_deg=190)
+    pyramid, off = view(pose), []
+    for start in (pose, mirrored):
+        match = Match.of(pyramid, CAMERA, sample_pad(), MovingPose(start))
+        fit = match.fit(MovingPose(start), motion=False, rough=True)
+        off.append(fit.rms_px)
+    assert off[0] < 0.8 * off[1]
+
+
+def test_brightness_found_for_one_pose_serves_the_next():
+    pose = MovingPose(look_at_pad(3000.0, tilt_deg=15, heading_deg=40))
+    start = pose.moved(np.array([3.0, -2.0, 4.0, 0.0004, 0, 0.001]))
+    match = Match.of(view(pose.pose), CAMERA, sample_pad(), start)
+    first = match.fit(start, motion=False)
+    again = match.fit(first.pose, motion=False)
+    moving = match.fit(first.pose, motion=True)
+    assert np.abs(first.pose.step_to(again.pose)[:3]).max() < 0.2
+    assert moving.rms_px <= again.rms_px * 1.001
