@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.layout import Layout
-from padstudio.pad.paper_sheets import Sheet, SheetPlan
+from padstudio.pad.sheets.tiling import Sheet, SheetPlan
 from padstudio.pad.spec import Layer, Pad
 
 Array = NDArray[np.float64]

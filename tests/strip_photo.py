@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from padstudio.pad import strip
+from padstudio.pad.sheets import strip
 
 IDENTITY = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 _PX_PER_MM = 6

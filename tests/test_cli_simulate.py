@@ -8,9 +8,9 @@ from typer.testing import CliRunner
 
 from padstudio.cli import app
 from padstudio.geometry.camera import Camera
-from padstudio.pad.coverage import METHOD_LIMITS, cells_needed
+from padstudio.pad.coverage.pinhole import View
+from padstudio.pad.coverage.spans import METHOD_LIMITS, cells_needed
 from padstudio.pad.spec import Layer, Pad
-from padstudio.pad.view import View
 
 
 def run(*arguments):

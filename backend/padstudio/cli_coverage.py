@@ -13,8 +13,8 @@ from padstudio.cli_support import load_camera, load_pad, note, progress_bar
 
 if TYPE_CHECKING:
     from padstudio.geometry.camera import Camera
-    from padstudio.pad.coverage import Span
-    from padstudio.pad.dead_bands import DeadBand
+    from padstudio.pad.coverage.dead_bands import DeadBand
+    from padstudio.pad.coverage.spans import Span
     from padstudio.pad.spec import Pad
     from padstudio.simulate.coverage import SuccessMap
 
@@ -74,9 +74,9 @@ def coverage(
     From geometry at once; with --simulate from rendered frames too. Warns of heights between those
     that read, at which nothing does.
     """
-    from padstudio.pad.coverage import METHOD_LIMITS
-    from padstudio.pad.coverage import coverage as spans_of
-    from padstudio.pad.dead_bands import dead_bands
+    from padstudio.pad.coverage.dead_bands import dead_bands
+    from padstudio.pad.coverage.spans import METHOD_LIMITS
+    from padstudio.pad.coverage.spans import coverage as spans_of
     from padstudio.simulate.coverage import view_of
 
     the_pad, the_camera = load_pad(pad), load_camera(camera)
@@ -109,8 +109,8 @@ def advise(
     ] = 200.0,
 ) -> None:
     """Advise cell size, ratio of the layers and pad size for a range of heights."""
-    from padstudio.pad.advice import advise as advice_for
-    from padstudio.pad.coverage import METHOD_LIMITS
+    from padstudio.pad.coverage.advice import advise as advice_for
+    from padstudio.pad.coverage.spans import METHOD_LIMITS
     from padstudio.simulate.coverage import view_of
 
     advice = advice_for(

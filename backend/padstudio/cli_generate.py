@@ -53,7 +53,7 @@ def generate(
     force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
 ) -> None:
     """Generate a pad and write it as a pad file."""
-    from padstudio.pad.coding import generate_pad
+    from padstudio.pad.coding.generate import generate_pad
 
     check_output(output, force=force)
     rows, cols = _cells(cells)

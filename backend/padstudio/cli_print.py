@@ -12,7 +12,7 @@ from padstudio.cli_support import check_output, load_pad, note
 from padstudio.errors import ImageError
 
 if TYPE_CHECKING:
-    from padstudio.pad.paper_sheets import SheetOptions, SheetPlan
+    from padstudio.pad.sheets.tiling import SheetOptions, SheetPlan
     from padstudio.render.documents import Form
 
 _PRINT_EXAMPLES = (
@@ -100,7 +100,7 @@ def print_pad(
     force: Force = False,
 ) -> None:
     """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
-    from padstudio.pad.paper_sheets import plan_sheets
+    from padstudio.pad.sheets.tiling import plan_sheets
     from padstudio.render import documents
     from padstudio.render.options import PrintOptions
 
@@ -132,7 +132,7 @@ def measure(
     ruler_mm: Annotated[float, typer.Option(help="Nominal length of the printed rulers.")] = 200.0,
 ) -> None:
     """Enter the size that a print came out at; poses then use it, without printing again."""
-    from padstudio.pad.measured import with_measured_size
+    from padstudio.pad.print_scale import with_measured_size
 
     design = with_measured_size(load_pad(pad), ruler_mm=ruler_mm, x_mm=x_mm, y_mm=y_mm)
     design.save(pad)
@@ -178,7 +178,7 @@ def _sheets(
     furniture: bool | None,
 ) -> SheetOptions:
     """How the pad is spread; a page of the pad's own size has nothing beside the pad if unsaid."""
-    from padstudio.pad.paper_sheets import SheetOptions
+    from padstudio.pad.sheets.tiling import SheetOptions
 
     own = paper.strip().lower() == "own"
     beside = not own if furniture is None else furniture
@@ -195,7 +195,7 @@ def _sheets(
 
 def _measured(read: str) -> tuple[float, float]:
     """Size of prints over nominal size, from two ruler readings; 1 where there are none."""
-    from padstudio.pad.measured import print_scale
+    from padstudio.pad.print_scale import print_scale
 
     if not read:
         return 1.0, 1.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from padstudio.pad import warm as pad_warm
+from padstudio.pad.coding import warm as pad_warm
 from padstudio.vision import warm as vision_warm
 
 

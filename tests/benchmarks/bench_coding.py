@@ -22,10 +22,10 @@ from typing import Any
 import numba
 import numpy as np
 
-from padstudio.pad.bounds import bounds
-from padstudio.pad.coding import FieldSearchError, FieldSpec, generate_field
-from padstudio.pad.index import WindowIndex
-from padstudio.pad.verify import verify_field
+from padstudio.pad.coding.generate import FieldSearchError, FieldSpec, generate_field
+from padstudio.pad.coding.search.bounds import bounds
+from padstudio.pad.coding.verify import verify_field
+from padstudio.pad.coding.window_index import WindowIndex
 
 PLAIN: dict[str, Any] = {"unique": "plain", "distance": 1}
 # (spec, side, budget in seconds)
@@ -116,7 +116,7 @@ def measure_verifier(side: int, distance_limit: int) -> dict[str, Any]:
 def first_call_s() -> float:
     """Time of the first pad of a fresh process over the next one's, compiled code cached."""
     script = (
-        "import time\nfrom padstudio.pad.coding import generate_pad\nt = time.perf_counter()\n"
+        "import time\nfrom padstudio.pad.coding.generate import generate_pad\nt = time.perf_counter()\n"
         "generate_pad()\nu = time.perf_counter()\ngenerate_pad()\n"
         "print(2 * u - t - time.perf_counter())"
     )

@@ -21,8 +21,8 @@ import cv2
 import numpy as np
 
 from padstudio import Camera, Detector, Pad
-from padstudio.pad.coding import generate_pad
-from padstudio.pad.coverage import METHOD_LIMITS, Method, coverage
+from padstudio.pad.coding.generate import generate_pad
+from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, coverage
 from padstudio.pad.spec import Layer
 from padstudio.simulate.coverage import only, success_map, view_of
 from padstudio.simulate.scene import Scene

@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import padstudio
 from measure_print import edge_errors_mm, make_pad, pages
 from padstudio.pad.layout import layout
-from padstudio.pad.paper_sheets import SheetOptions
+from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render import documents, raster
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf import paint_pdf

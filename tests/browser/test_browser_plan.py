@@ -10,8 +10,8 @@ import pytest
 from browser_support import CAMERA_FILE, PAD_FILE, Complaints
 from playwright.sync_api import Page, Route, expect
 
-from padstudio.pad.coverage import METHOD_LIMITS, cells_needed
-from padstudio.pad.view import View
+from padstudio.pad.coverage.pinhole import View
+from padstudio.pad.coverage.spans import METHOD_LIMITS, cells_needed
 
 
 @pytest.fixture

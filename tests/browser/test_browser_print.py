@@ -15,8 +15,8 @@ import pytest
 from browser_support import Complaints
 from playwright.sync_api import Page, expect
 
-from padstudio.pad.coverage import METHOD_LIMITS, cells_needed
-from padstudio.pad.view import View
+from padstudio.pad.coverage.pinhole import View
+from padstudio.pad.coverage.spans import METHOD_LIMITS, cells_needed
 from strip_photo import strip_photo
 
 SMALL = "/design?rows=30&cols=20&ratio=2&cell_mm=15&quiet_mm=12&name=sheets"

@@ -9,7 +9,7 @@ import pytest
 
 from measure_print import make_pad, pdf_info
 from padstudio.errors import LimitError, SpecError
-from padstudio.pad.paper_sheets import SheetOptions
+from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render import documents
 from padstudio.render.options import PrintOptions
 

@@ -13,7 +13,7 @@ from measure_print import Array, cut_marks, edge_errors_mm, make_pad, pages, pdf
 from padstudio.errors import SpecError
 from padstudio.pad.identity import label_text, pad_id
 from padstudio.pad.layout import Layout, crop, layout
-from padstudio.pad.paper_sheets import SheetOptions, SheetPlan
+from padstudio.pad.sheets.tiling import SheetOptions, SheetPlan
 from padstudio.pad.spec import Pad
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf_sheets import write_sheets

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from measure_print import assemble, pages
 from padstudio import Camera, Detector, Pad, Pose
-from padstudio.pad.paper_sheets import SheetOptions
+from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf_sheets import write_sheets
 from padstudio.simulate.imaging import Imaging, expose

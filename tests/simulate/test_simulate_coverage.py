@@ -6,7 +6,7 @@ import pytest
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.pad.coverage import METHOD_LIMITS, coverage, layer_span
+from padstudio.pad.coverage.spans import METHOD_LIMITS, coverage, layer_span
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.coverage import judge, only, success_map, view_of
 from padstudio.simulate.imaging import Imaging

@@ -7,7 +7,7 @@ from dense_frames import errors, frame_of, near_view, sample_pad, small_camera
 from padstudio.errors import CameraMismatchError, ImageError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
-from padstudio.pad.coverage import METHOD_LIMITS
+from padstudio.pad.coverage.spans import METHOD_LIMITS
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import STAGES, Reason
 

@@ -13,7 +13,7 @@ import pytest
 from web_server import SMALL_SPEC, running, settings_for
 
 from padstudio.pad import files as pad_files
-from padstudio.pad.verify import verify_field
+from padstudio.pad.coding.verify import verify_field
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]

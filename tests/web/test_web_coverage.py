@@ -12,9 +12,9 @@ from web_server import PRESET, SMALL_SPEC, running, settings_for, store_pad
 
 from padstudio.geometry import presets
 from padstudio.pad import files as pad_files
-from padstudio.pad.advice import advise
-from padstudio.pad.coverage import METHOD_LIMITS, coverage
-from padstudio.pad.dead_bands import dead_bands
+from padstudio.pad.coverage.advice import advise
+from padstudio.pad.coverage.dead_bands import dead_bands
+from padstudio.pad.coverage.spans import METHOD_LIMITS, coverage
 from padstudio.simulate.coverage import view_of
 
 PADS = "/api/v1/pads"

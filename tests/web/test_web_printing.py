@@ -14,7 +14,7 @@ import pytest
 from web_server import SMALL_SPEC, store_pad
 
 from padstudio.pad import files as pad_files
-from padstudio.pad.paper_sheets import SheetOptions, plan_sheets
+from padstudio.pad.sheets.tiling import SheetOptions, plan_sheets
 from strip_photo import strip_photo
 
 PADS = "/api/v1/pads"

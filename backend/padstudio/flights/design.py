@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from padstudio.pad import coding, tables, verify
 from padstudio.pad import files as pad_files
+from padstudio.pad.coding import field_tables, verify
+from padstudio.pad.coding import generate as coding
 from padstudio.pad.crosstalk import Matrix, separation, separation_warnings
 from padstudio.pad.spec import Layer, Pad
 
@@ -23,7 +24,7 @@ class Design:
     summary : mapping
         What lists show of it.
     verification : mapping or None
-        What `padstudio.pad.verify` found of the finest layer, with its ``channel``; in ``others``
+        What `padstudio.pad.coding.verify` found of the finest layer, with its ``channel``; in ``others``
         whether the other layers are unique. None where nobody asked.
     """
 
@@ -38,7 +39,7 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
     Parameters
     ----------
     spec : mapping
-        Arguments of `padstudio.pad.coding.generate_pad`.
+        Arguments of `padstudio.pad.coding.generate.generate_pad`.
     budget_s : float
         Time for the search, s.
 
@@ -68,7 +69,7 @@ class TableSizes:
         None takes as many as occur.
     cell_mm : float
     ratio : int
-        As of `padstudio.pad.coding.generate_pad`.
+        As of `padstudio.pad.coding.generate.generate_pad`.
     quiet_mm : float
     """
 
@@ -104,7 +105,7 @@ def read(content: bytes, suffix: str = ".json", sizes: TableSizes | None = None)
 
 
 def _of_table(content: bytes, suffix: str, sizes: TableSizes) -> Pad:
-    field = tables.read_field(content, suffix, levels=sizes.levels)
+    field = field_tables.read_field(content, suffix, levels=sizes.levels)
     levels = sizes.levels or max(2, int(field.max()) + 1)
     layers = [Layer("red", sizes.cell_mm, field)]
     if sizes.ratio > 1:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from padstudio.pad.jit import fast_jit
+from padstudio.compiled import fast_jit
 from padstudio.vision.pose.least_squares_kernel import solve, turned
 from padstudio.vision.stage.detection import Array
 

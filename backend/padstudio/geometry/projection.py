@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from padstudio.pad.jit import fast_jit
+from padstudio.compiled import fast_jit
 from padstudio.vision.stage.detection import Array
 
 # Moments beyond the frame, of points out of view, count up to here.

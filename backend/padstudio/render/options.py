@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import get_args
 
 from padstudio.errors import SpecError
-from padstudio.pad.paper_sheets import SheetOptions
+from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.pad.spec import Pad
 from padstudio.render.inks import Ink
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from padstudio.pad.identity import label_text, pad_id
-from padstudio.pad.paper import Bands, Box, Paper
-from padstudio.pad.paper_sheets import Sheet, SheetPlan
+from padstudio.pad.sheets.paper import Bands, Box, Paper
+from padstudio.pad.sheets.tiling import Sheet, SheetPlan
 from padstudio.pad.spec import Pad
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf_pen import Pen

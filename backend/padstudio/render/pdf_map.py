@@ -7,8 +7,8 @@ from PIL import Image
 from reportlab.lib.utils import ImageReader
 
 from padstudio.pad.identity import label_text, pad_id
-from padstudio.pad.paper import Box
-from padstudio.pad.paper_sheets import SheetPlan
+from padstudio.pad.sheets.paper import Box
+from padstudio.pad.sheets.tiling import SheetPlan
 from padstudio.pad.spec import Pad
 from padstudio.render.pdf_furniture import draw_rulers
 from padstudio.render.pdf_pen import Pen

@@ -10,7 +10,7 @@ import segno
 from reportlab.lib.utils import ImageReader
 from reportlab.pdfgen.canvas import Canvas
 
-from padstudio.pad.paper import Box
+from padstudio.pad.sheets.paper import Box
 from padstudio.render.inks import Ink, fill_operator, stroke_operator
 from padstudio.render.pdf_text import FONT, fit
 

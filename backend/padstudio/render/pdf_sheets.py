@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import BinaryIO
 
 from padstudio.pad.layout import crop, layout
-from padstudio.pad.paper_sheets import SheetPlan, plan_sheets
+from padstudio.pad.sheets.tiling import SheetPlan, plan_sheets
 from padstudio.pad.spec import Pad
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf import open_document

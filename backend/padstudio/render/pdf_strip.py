@@ -7,8 +7,8 @@ from typing import BinaryIO
 import cv2
 
 from padstudio.errors import SpecError
-from padstudio.pad import strip
-from padstudio.pad.paper import Bands, Box, parse_paper
+from padstudio.pad.sheets import strip
+from padstudio.pad.sheets.paper import Bands, Box, parse_paper
 from padstudio.render.options import PrintOptions
 from padstudio.render.pdf import open_canvas
 from padstudio.render.pdf_furniture import draw_rulers

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg
+from padstudio.pad.coverage.pinhole import View
 from padstudio.pad.spec import Channel, Pad
-from padstudio.pad.view import View
 from padstudio.simulate.camera import render
 from padstudio.simulate.flights import MAX_FRAMES
 from padstudio.simulate.imaging import Imaging
@@ -167,7 +167,7 @@ def only(pad: Pad, channel: Channel) -> Pad:
 
 
 def view_of(camera: Camera) -> View:
-    """The camera as the plain numbers that `padstudio.pad.coverage` works with."""
+    """The camera as the plain numbers that `padstudio.pad.coverage.spans` works with."""
     return View(width_px=camera.width, height_px=camera.height, focal_px=camera.focal_px)
 
 

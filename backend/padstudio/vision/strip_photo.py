@@ -1,7 +1,7 @@
 """What a printer and a camera make of the pad's colours, and how to take it back.
 
 No ink reflects one channel alone and no camera channel sees one alone: part of the red layer shows
-in the blue channel and the other way round. A photo of the test strip (`padstudio.pad.strip`) gives
+in the blue channel and the other way round. A photo of the test strip (`padstudio.pad.sheets.strip`) gives
 the 3 × 3 matrix of that mixture; its inverse un-mixes frames of the same printer and camera.
 """
 
@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import ImageError, PadFormatError
-from padstudio.pad import strip
 from padstudio.pad.crosstalk import Matrix, check_matrix, separation_warnings
-from padstudio.pad.paper import Box
+from padstudio.pad.sheets import strip
+from padstudio.pad.sheets.paper import Box
 from padstudio.vision.stage.detection import Array, Image
 
 _PX_PER_MM = 4

@@ -10,12 +10,13 @@ from fastapi.concurrency import run_in_threadpool
 from padstudio.errors import LimitError
 from padstudio.flights.store import Store
 from padstudio.geometry import camera_files
-from padstudio.pad import advice, coverage
 from padstudio.pad import files as pad_files
-from padstudio.pad.coverage import METHOD_LIMITS, Method, Span
-from padstudio.pad.dead_bands import DeadBand, dead_bands
+from padstudio.pad.coverage import advice
+from padstudio.pad.coverage import spans as coverage
+from padstudio.pad.coverage.dead_bands import DeadBand, dead_bands
+from padstudio.pad.coverage.pinhole import View
+from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, Span
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW, Pad
-from padstudio.pad.view import View
 from padstudio.simulate.coverage import view_of
 from padstudio.web import simulating
 from padstudio.web.cameras import camera_text

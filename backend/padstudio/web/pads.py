@@ -14,8 +14,8 @@ from fastapi.concurrency import run_in_threadpool
 from padstudio.errors import LimitError
 from padstudio.flights import design
 from padstudio.flights.store import Stored
-from padstudio.pad import bounds
-from padstudio.pad.field_spec import FieldSpec
+from padstudio.pad.coding.search import bounds
+from padstudio.pad.coding.search.spec import FieldSpec
 from padstudio.pad.spec import MAX_CELLS
 from padstudio.web.cameras import file_name
 from padstudio.web.schemas import (

@@ -13,8 +13,8 @@ from padstudio.flights import design
 from padstudio.flights.store_files import remove
 from padstudio.pad import files as pad_files
 from padstudio.pad.crosstalk import with_crosstalk
-from padstudio.pad.measured import with_measured_size
-from padstudio.pad.paper_sheets import plan_sheets
+from padstudio.pad.print_scale import with_measured_size
+from padstudio.pad.sheets.tiling import plan_sheets
 from padstudio.pad.spec import Pad
 from padstudio.render import documents
 from padstudio.web import painting

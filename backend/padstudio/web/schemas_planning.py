@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.pad.coverage import Method, Source
+from padstudio.pad.coverage.spans import Method, Source
 from padstudio.simulate.flights import MAX_HEIGHT_MM
 from padstudio.simulate.scene import GroundKind
 from padstudio.web.schemas_printing import PadShape

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.errors import PadFormatError, SpecError
-from padstudio.pad.measured import print_scale
-from padstudio.pad.paper_sheets import Joint, Orientation, Seams, SheetOptions
+from padstudio.pad.print_scale import print_scale
+from padstudio.pad.sheets.tiling import Joint, Orientation, Seams, SheetOptions
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, Channel, Layer, Pad
 from padstudio.render.inks import Ink
 from padstudio.render.options import PrintOptions

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.pad.coverage import Method
+from padstudio.pad.coverage.spans import Method
 from padstudio.simulate.flights import FlightKind
 from padstudio.simulate.scene import GroundKind
 from padstudio.simulate.video_writer import Codec

@@ -7,7 +7,7 @@ import pytest
 
 from padstudio import Camera, Detector, DetectorParams
 from padstudio.geometry.pose import look_at_pad
-from padstudio.pad.coding import generate_pad
+from padstudio.pad.coding.generate import generate_pad
 from padstudio.simulate.camera import render
 from padstudio.simulate.scene import Scene
 from padstudio.vision.overlays import stages

@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.index import WindowIndex
+from padstudio.pad.coding.window_index import WindowIndex
 from padstudio.pad.spec import CHANNELS, Layer, Pad
 from padstudio.vision.baseline.central_window import CentralWindow
 from padstudio.vision.cells.correlation import crop

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.jit import fast_jit
+from padstudio.compiled import fast_jit
 from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
 from padstudio.vision.stage.detection import Array

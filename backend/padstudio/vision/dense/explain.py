@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from padstudio.pad.coverage import METHOD_LIMITS
+from padstudio.pad.coverage.spans import METHOD_LIMITS
 from padstudio.pad.spec import Channel
 from padstudio.vision.frame.block_mean import block_mean, clean
 from padstudio.vision.frame.prepare import take_channel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.jit import fast_jit
+from padstudio.compiled import fast_jit
 from padstudio.vision.frame.pyramid import Window
 
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.jit import fast_jit
+from padstudio.compiled import fast_jit
 from padstudio.vision.stage.detection import Array
 
 # Weighted points above this share of the best one's trust tell the scatter.

@@ -1,0 +1,1 @@
+"""Fields in which every window occurs once: `generate` makes them, `verify` proves them."""

@@ -1,0 +1,1 @@
+"""How a pad is laid on paper: papers, seams, tiling, and the strip that measures a printer."""
