@@ -8,8 +8,8 @@ import pytest
 
 from padstudio import Camera
 from padstudio.geometry.pose import look_at_pad, rotation_angle_deg
-from padstudio.simulate.camera import render
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
 
 sys.path.insert(0, str(Path(__file__).parent / "benchmarks"))
 import shootout_boards

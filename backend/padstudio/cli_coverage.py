@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from padstudio.pad.coverage.dead_bands import DeadBand
     from padstudio.pad.coverage.spans import Span
     from padstudio.pad.spec import Pad
-    from padstudio.simulate.coverage import SuccessMap
+    from padstudio.simulate.success_map import SuccessMap
 
     Spans = tuple[Span, ...]
     Bands = list[tuple[float, DeadBand]]
@@ -77,7 +77,7 @@ def coverage(
     from padstudio.pad.coverage.dead_bands import dead_bands
     from padstudio.pad.coverage.spans import METHOD_LIMITS
     from padstudio.pad.coverage.spans import coverage as spans_of
-    from padstudio.simulate.coverage import view_of
+    from padstudio.simulate.success_map import view_of
 
     the_pad, the_camera = load_pad(pad), load_camera(camera)
     view, limits = view_of(the_camera), METHOD_LIMITS[method]
@@ -111,7 +111,7 @@ def advise(
     """Advise cell size, ratio of the layers and pad size for a range of heights."""
     from padstudio.pad.coverage.advice import advise as advice_for
     from padstudio.pad.coverage.spans import METHOD_LIMITS
-    from padstudio.simulate.coverage import view_of
+    from padstudio.simulate.success_map import view_of
 
     advice = advice_for(
         view_of(load_camera(camera)),
@@ -144,8 +144,8 @@ def _simulated(
     trials: int,
     seed: int,
 ) -> SuccessMap:
-    from padstudio.simulate.coverage import success_map
-    from padstudio.simulate.scene import Scene
+    from padstudio.simulate.radiance.scene import Scene
+    from padstudio.simulate.success_map import success_map
     from padstudio.vision.detector import Detector
 
     detector = Detector(pad, camera, method=method)  # type: ignore[arg-type]

@@ -102,7 +102,7 @@ def print_pad(
     """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
     from padstudio.pad.sheets.tiling import plan_sheets
     from padstudio.render import documents
-    from padstudio.render.options import PrintOptions
+    from padstudio.render.painters.options import PrintOptions
 
     check_output(output, force=force)
     options = PrintOptions(

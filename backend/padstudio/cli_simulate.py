@@ -12,8 +12,8 @@ from padstudio.errors import ConflictError
 
 if TYPE_CHECKING:
     from padstudio.geometry.camera import Camera
-    from padstudio.simulate.flights import Flight
-    from padstudio.simulate.scene import Scene
+    from padstudio.simulate.radiance.scene import Scene
+    from padstudio.simulate.trajectories import Flight
 
 _EXAMPLES = (
     "Examples: [bold]padstudio simulate --pad pad.json --camera preset-dji-mini-27k -o sim[/] · "
@@ -80,15 +80,15 @@ def simulate(
 
     Writes stills/ or flights/ with a truth file, and the pad and the camera beside them.
     """
-    from padstudio.simulate import flights
-    from padstudio.simulate.scene import Scene
+    from padstudio.simulate import trajectories
+    from padstudio.simulate.radiance.scene import Scene
 
     if output.exists() and not force:
         raise ConflictError(
             f"{output} exists; give another name, or --force to write into it", code="file_exists"
         )
     check_output(output, force=True)
-    course = flights.plan(
+    course = trajectories.plan(
         flight,  # type: ignore[arg-type]  # plan() names the choices itself
         frames=frames,
         from_mm=from_mm,
@@ -103,7 +103,7 @@ def simulate(
         ground=ground,  # type: ignore[arg-type]  # Scene names the choices itself
         ground_seed=seed,
     )
-    film = codec if flight in flights.VIDEO_KINDS and not stills else None
+    film = codec if flight in trajectories.VIDEO_KINDS and not stills else None
     truth = _write(output, course, scene, load_camera(camera), look, film, seed)
     note(f"{output}: {len(course)} frames, the true poses in {truth.relative_to(output)}")
 

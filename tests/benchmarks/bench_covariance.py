@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from padstudio import Camera, Detector, Pad
 from padstudio.geometry.pose import Pose
-from padstudio.simulate.flights import FlightKind, plan
-from padstudio.simulate.imaging import Imaging
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.trajectories import FlightKind, plan
 from padstudio.vision.stage.detection import Detection
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from padstudio import Camera, Detector, Pad
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad.spec import Layer
-from padstudio.simulate.camera import render
-from padstudio.simulate.scene import GROUND_KINDS, Scene
+from padstudio.simulate.radiance.scene import GROUND_KINDS, Scene
+from padstudio.simulate.render import render
 
 WIDTH, HEIGHT, FOCAL_PX = 960, 720, 660.0
 Image = NDArray[np.uint8]

@@ -24,8 +24,8 @@ from padstudio import Camera, Detector, Pad
 from padstudio.pad.coding.generate import generate_pad
 from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, coverage
 from padstudio.pad.spec import Layer
-from padstudio.simulate.coverage import only, success_map, view_of
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.success_map import only, success_map, view_of
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 # Ratios of heights about the chart's: even steps that leave room on both sides.

@@ -21,8 +21,8 @@ import numpy as np
 
 from padstudio import Camera, Detection, Detector, Pad
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg
-from padstudio.simulate.camera import render
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 HEIGHTS_MM = (

@@ -29,9 +29,10 @@ import padstudio
 from measure_print import edge_errors_mm, make_pad, pages
 from padstudio.pad.layout import layout
 from padstudio.pad.sheets.tiling import SheetOptions
-from padstudio.render import documents, raster
-from padstudio.render.options import PrintOptions
-from padstudio.render.pdf import paint_pdf
+from padstudio.render import documents
+from padstudio.render.painters import raster
+from padstudio.render.painters.options import PrintOptions
+from padstudio.render.pdf.page import paint_pdf
 
 MOST_MM = 0.05
 A4 = PrintOptions(sheets=SheetOptions(paper="A4"))

@@ -22,11 +22,11 @@ import numpy as np
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.imaging import Imaging
-from padstudio.simulate.lens import ray_map
 from padstudio.simulate.motion import Motion
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.lens import ray_map
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
+from padstudio.simulate.sensor import Imaging
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 # Stills in even light of a camera at rest, from which the cells are large enough to measure within.

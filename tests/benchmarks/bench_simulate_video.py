@@ -28,10 +28,10 @@ from bench_simulate import FOOTAGE, cell_kinds, figures
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.motion import Motion
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
+from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.video_writer import VideoWriter
 
 CAMERA = Imaging(jpeg_quality=None, exposure_ms=4.0, readout_ms=12.0)

@@ -10,12 +10,12 @@ import numpy as np
 from padstudio import Camera, Pose
 from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.flights import plan
-from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.looks import LOOKS, dress
 from padstudio.simulate.motion import Motion
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
+from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.trajectories import plan
 
 SEED = 20
 # Speeds under the looks, as shares of the height a second and degrees a second.

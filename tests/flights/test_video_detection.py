@@ -12,9 +12,9 @@ from padstudio.flights.video_frames import read_frames
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Layer, Pad
-from padstudio.simulate.flights import plan
-from padstudio.simulate.imaging import Imaging
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.trajectories import plan
 from padstudio.simulate.video_writer import Codec, VideoWriter
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Detection

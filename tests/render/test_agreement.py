@@ -11,9 +11,9 @@ import pytest
 from measure_print import make_pad
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Pad
-from padstudio.render.dxf import paint_dxf
-from padstudio.render.pdf import paint_pdf
-from padstudio.render.svg import paint_svg
+from padstudio.render.painters.dxf import paint_dxf
+from padstudio.render.painters.svg import paint_svg
+from padstudio.render.pdf.page import paint_pdf
 
 # Far below the 0.01 mm that painters must agree to.
 MOST_MM = 1e-3

@@ -11,7 +11,7 @@ from measure_print import make_pad, pdf_info
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render import documents
-from padstudio.render.options import PrintOptions
+from padstudio.render.painters.options import PrintOptions
 
 
 @pytest.mark.parametrize(

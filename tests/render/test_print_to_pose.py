@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from measure_print import assemble, pages
 from padstudio import Camera, Detector, Pad, Pose
 from padstudio.pad.sheets.tiling import SheetOptions
-from padstudio.render.options import PrintOptions
-from padstudio.render.pdf_sheets import write_sheets
-from padstudio.simulate.imaging import Imaging, expose
-from padstudio.simulate.inks import Inks
+from padstudio.render.painters.options import PrintOptions
+from padstudio.render.pdf.sheets import write_sheets
+from padstudio.simulate.radiance.inks import Inks
+from padstudio.simulate.sensor import Imaging, expose
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 DPI = 80

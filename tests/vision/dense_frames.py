@@ -11,7 +11,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
-from padstudio.simulate.imaging import Imaging
+from padstudio.simulate.sensor import Imaging
 from padstudio.vision.cells.sampling import CellGrid, relative_field
 from padstudio.vision.frame.prepare import find_stretch, take_channel
 from padstudio.vision.frame.pyramid import Pyramid

@@ -10,8 +10,8 @@ import numpy as np
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, rotation_angle_deg
 from padstudio.pad.spec import Pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
 from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.baseline.hough import Lines
 from padstudio.vision.frame.pyramid import Plane

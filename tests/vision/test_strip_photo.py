@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from measure_print import Array, pages
 from padstudio.errors import ImageError
 from padstudio.pad.sheets import strip
-from padstudio.render.pdf_strip import write_strip
+from padstudio.render.pdf.strip import write_strip
 from padstudio.vision.strip_photo import estimate_crosstalk, linear_from_srgb, unmix
 
 Image = NDArray[np.uint8]

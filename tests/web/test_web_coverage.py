@@ -15,7 +15,7 @@ from padstudio.pad import files as pad_files
 from padstudio.pad.coverage.advice import advise
 from padstudio.pad.coverage.dead_bands import dead_bands
 from padstudio.pad.coverage.spans import METHOD_LIMITS, coverage
-from padstudio.simulate.coverage import view_of
+from padstudio.simulate.success_map import view_of
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]

@@ -16,8 +16,8 @@ from web_server import PRESET, PRESET_SIZE, running, settings_for, store_pad
 from padstudio.geometry import presets
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad import files as pad_files
-from padstudio.simulate.camera import corners_px
 from padstudio.simulate.looks import LOOKS
+from padstudio.simulate.render import corners_px
 
 ADDRESS = "/api/v1/simulate"
 Refused = Callable[..., dict[str, Any]]

@@ -10,7 +10,7 @@ from typing import Any, BinaryIO, Literal, get_args
 
 from padstudio.errors import SpecError
 from padstudio.pad.spec import Channel, Pad
-from padstudio.render.options import PrintOptions
+from padstudio.render.painters.options import PrintOptions
 
 Form = Literal["pdf", "svg", "png", "dxf", "csv", "npy", "strip"]
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -78,22 +78,22 @@ def file_stem(name: str) -> str:
 def _painter(pad: Pad, form: str, options: PrintOptions) -> Callable[[BinaryIO], object]:
     # Imported here: each painter brings its own libraries.
     if form == "pdf":
-        from padstudio.render.pdf_sheets import write_sheets
+        from padstudio.render.pdf.sheets import write_sheets
 
         return lambda out: write_sheets(pad, out, options)
     if form == "strip":
-        from padstudio.render.pdf_strip import write_strip
+        from padstudio.render.pdf.strip import write_strip
 
         return lambda out: write_strip(out, options)
     if form == "png":
-        from padstudio.render.raster import write_png
+        from padstudio.render.painters.raster import write_png
 
         return lambda out: write_png(pad, out, dpi=options.dpi)
     if form == "svg":
-        from padstudio.render.svg import iter_svg
+        from padstudio.render.painters.svg import iter_svg
 
         return lambda out: out.writelines(part.encode() for part in iter_svg(pad))
-    from padstudio.render.dxf import iter_dxf
+    from padstudio.render.painters.dxf import iter_dxf
 
     return lambda out: out.writelines(part.encode() for part in iter_dxf(pad))
 
@@ -101,7 +101,7 @@ def _painter(pad: Pad, form: str, options: PrintOptions) -> Callable[[BinaryIO],
 def _tables(
     pad: Pad, form: Literal["csv", "npy"], channel: Channel | None
 ) -> tuple[Callable[[BinaryIO], object], str]:
-    from padstudio.render.fields import write_table, write_tables
+    from padstudio.render.painters.field_tables import write_table, write_tables
 
     layer = pad.layers[0] if channel is None else pad.layer(channel)
     if layer is None:

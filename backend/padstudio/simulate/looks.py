@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from padstudio.errors import SpecError
-from padstudio.simulate.imaging import Glare, Imaging
-from padstudio.simulate.scene import Light, Occluder, Scene, Shadow
+from padstudio.simulate.radiance.scene import Light, Occluder, Scene, Shadow
+from padstudio.simulate.sensor import Glare, Imaging
 
 
 @dataclass(frozen=True)

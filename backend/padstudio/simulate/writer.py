@@ -10,10 +10,10 @@ from typing import Any
 import cv2
 
 from padstudio.geometry.camera import Camera
-from padstudio.simulate.camera import Frame
-from padstudio.simulate.flights import Flight, check_flight
-from padstudio.simulate.imaging import Imaging
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import Frame
+from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.trajectories import Flight, check_flight
 from padstudio.simulate.video_writer import Codec, VideoWriter, check_size
 
 CAMERA_FILE = "camera.yaml"
@@ -61,7 +61,7 @@ def write_flight(
     Raises
     ------
     SpecError, LimitError
-        As `padstudio.simulate.camera.render` and `VideoWriter`.
+        As `padstudio.simulate.render.render` and `VideoWriter`.
     """
     check_flight(flight, camera)
     if video:

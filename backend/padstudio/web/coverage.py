@@ -17,7 +17,7 @@ from padstudio.pad.coverage.dead_bands import DeadBand, dead_bands
 from padstudio.pad.coverage.pinhole import View
 from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, Span
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW, Pad
-from padstudio.simulate.coverage import view_of
+from padstudio.simulate.success_map import view_of
 from padstudio.web import simulating
 from padstudio.web.cameras import camera_text
 from padstudio.web.schemas_planning import (

@@ -10,7 +10,7 @@ from padstudio.flights import images
 from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel, Pad
 from padstudio.render import documents
-from padstudio.render.options import PrintOptions
+from padstudio.render.painters.options import PrintOptions
 
 _MM_PER_INCH = 25.4
 

@@ -7,8 +7,8 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.pad.coverage.spans import Method, Source
-from padstudio.simulate.flights import MAX_HEIGHT_MM
-from padstudio.simulate.scene import GroundKind
+from padstudio.simulate.radiance.scene import GroundKind
+from padstudio.simulate.trajectories import MAX_HEIGHT_MM
 from padstudio.web.schemas_printing import PadShape
 
 Point = tuple[float, float]

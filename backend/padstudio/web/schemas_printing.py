@@ -11,8 +11,8 @@ from padstudio.errors import PadFormatError, SpecError
 from padstudio.pad.print_scale import print_scale
 from padstudio.pad.sheets.tiling import Joint, Orientation, Seams, SheetOptions
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, Channel, Layer, Pad
-from padstudio.render.inks import Ink
-from padstudio.render.options import PrintOptions
+from padstudio.render.painters.inks import Ink
+from padstudio.render.painters.options import PrintOptions
 from padstudio.web.schemas_pads import PadCrosstalk
 
 RULER_MM = 200.0

@@ -8,8 +8,8 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.pad.coverage.spans import Method
-from padstudio.simulate.flights import FlightKind
-from padstudio.simulate.scene import GroundKind
+from padstudio.simulate.radiance.scene import GroundKind
+from padstudio.simulate.trajectories import FlightKind
 from padstudio.simulate.video_writer import Codec
 from padstudio.web.schemas import ErrorInfo
 

@@ -6,7 +6,7 @@ from fastapi import APIRouter
 from fastapi.concurrency import run_in_threadpool
 
 from padstudio.simulate.looks import LOOKS
-from padstudio.simulate.scene import GROUND_KINDS
+from padstudio.simulate.radiance.scene import GROUND_KINDS
 from padstudio.web import simulating
 from padstudio.web.cameras import camera_text
 from padstudio.web.schemas_planning import FrameSpec, LookInfo, LookList, SimulatedFrame

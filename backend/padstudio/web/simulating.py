@@ -15,11 +15,11 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad import files as pad_files
 from padstudio.simulate import looks
-from padstudio.simulate.camera import Frame, render
-from padstudio.simulate.coverage import success_map
-from padstudio.simulate.imaging import Imaging
 from padstudio.simulate.motion import Motion
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import Frame, render
+from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.success_map import success_map
 
 # A rotation that came through JSON is rounded.
 _ORTHOGONAL_WITHIN = 1e-3
@@ -47,7 +47,7 @@ def simulate_frame(
     Raises
     ------
     SpecError, LimitError
-        As `padstudio.simulate.camera.render`; or if the camera has more pixels.
+        As `padstudio.simulate.render.render`; or if the camera has more pixels.
     """
     the_camera = camera_files.loads(camera)
     check_pixels(the_camera, max_pixels)
@@ -82,7 +82,7 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
     Raises
     ------
     SpecError, LimitError
-        As `padstudio.simulate.coverage.success_map`; or if the camera has more pixels.
+        As `padstudio.simulate.success_map.success_map`; or if the camera has more pixels.
     """
     from padstudio.vision.detector import Detector
 

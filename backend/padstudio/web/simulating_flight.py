@@ -10,8 +10,8 @@ from typing import Any
 
 from padstudio.errors import ConflictError
 from padstudio.geometry import camera_files
-from padstudio.simulate import flights, looks, writer
-from padstudio.simulate.scene import Scene
+from padstudio.simulate import looks, trajectories, writer
+from padstudio.simulate.radiance.scene import Scene
 from padstudio.web.simulating import check_pixels, dressed_scene
 
 #: In the folder: pictures, truth, pad and camera; the footage alone; frames done; asked to stop.
@@ -24,11 +24,11 @@ def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
     Raises
     ------
     SpecError, LimitError
-        As `padstudio.simulate.flights.plan` and `check_flight`.
+        As `padstudio.simulate.trajectories.plan` and `check_flight`.
     """
     the_camera = camera_files.loads(camera)
     check_pixels(the_camera, max_pixels)
-    flights.check_flight(_course(spec), the_camera)
+    trajectories.check_flight(_course(spec), the_camera)
     looks.dress(Scene(pad=None, ground=spec["ground"]), spec["look"], seed=spec["seed"])
 
 
@@ -84,9 +84,9 @@ def frames_done(folder: Path) -> int:
         return 0
 
 
-def _course(spec: Mapping[str, Any]) -> flights.Flight:
+def _course(spec: Mapping[str, Any]) -> trajectories.Flight:
     names = ("frames", "from_mm", "to_mm", "fps", "seed", "sway")
-    return flights.plan(spec["flight"], **{name: spec[name] for name in names})
+    return trajectories.plan(spec["flight"], **{name: spec[name] for name in names})
 
 
 def _reporter(folder: Path) -> Callable[[int], None]:

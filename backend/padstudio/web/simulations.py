@@ -13,7 +13,7 @@ from padstudio.flights.store_files import remove
 from padstudio.flights.upload_local import upload_file
 from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
-from padstudio.simulate.flights import VIDEO_KINDS
+from padstudio.simulate.trajectories import VIDEO_KINDS
 from padstudio.web import simulating_flight
 from padstudio.web.cameras import camera_text
 from padstudio.web.flight_schemas import NewFlight

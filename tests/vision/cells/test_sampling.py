@@ -6,7 +6,7 @@ from dense_frames import IDEAL, frame_of, random_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.simulate.scene import Light
+from padstudio.simulate.radiance.scene import Light
 from padstudio.vision.cells.sampling import read_cells, relative_field, to_levels
 from padstudio.vision.cells.visible import to_pad
 from padstudio.vision.frame.pyramid import Pyramid

@@ -10,10 +10,10 @@ from dense_frames import errors, frame_of, random_pad, random_pose, sample_pad, 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.spec import Layer, Pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.imaging import Glare, Imaging
 from padstudio.simulate.motion import Motion
-from padstudio.simulate.scene import Light, Occluder, Scene, Shadow
+from padstudio.simulate.radiance.scene import Light, Occluder, Scene, Shadow
+from padstudio.simulate.render import render
+from padstudio.simulate.sensor import Glare, Imaging
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.params import DetectorParams, RefineParams
 

@@ -8,8 +8,8 @@ import pytest
 from padstudio import Camera, Detector, DetectorParams
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.coding.generate import generate_pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
 from padstudio.vision.overlays import stages
 from padstudio.vision.stage.params import PrepareParams
 

@@ -8,7 +8,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Layer, Pad
-from padstudio.simulate.scene import Occluder
+from padstudio.simulate.radiance.scene import Occluder
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import find_regions
 from padstudio.vision.outline.quadrilateral import (

@@ -7,9 +7,9 @@ import pytest
 from dense_frames import near_view, random_pad, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
-from padstudio.simulate.camera import render
-from padstudio.simulate.imaging import Imaging
-from padstudio.simulate.scene import Scene
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
+from padstudio.simulate.sensor import Imaging
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import canvas
 from padstudio.vision.overlays.stages import MAX_WIDTH, result_picture, stage_picture

@@ -6,7 +6,7 @@ from dense_frames import errors, frame_of, random_pose, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.simulate.imaging import Imaging
+from padstudio.simulate.sensor import Imaging
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.image_alignment import Match
 

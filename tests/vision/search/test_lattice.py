@@ -5,7 +5,7 @@ import pytest
 from dense_frames import edges_of, frame_of, random_pad, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
-from padstudio.simulate.camera import corners_px
+from padstudio.simulate.render import corners_px
 from padstudio.vision.search.lattice import _coarser, find_lattice
 from padstudio.vision.search.line_spacing import find_lines
 from padstudio.vision.search.plane_normals import find_axes

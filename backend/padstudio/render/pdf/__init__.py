@@ -1,0 +1,1 @@
+"""PDFs at true scale, by ReportLab, which nothing else imports."""

@@ -1,0 +1,1 @@
+"""Light that reaches the sensor: ground, inks, surface, lens, integrated over pixels."""

@@ -1,0 +1,66 @@
+"""Light on the sensor before the lens blurs it: prepares the scene for the kernel and runs it."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.geometry.camera import Camera
+from padstudio.simulate.radiance.lens import ray_map
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.radiance.surface import illumination_of, surface_of
+
+Array = NDArray[np.float64]
+
+# Generators of rank-1 lattices of 16, 64 and 256 points: of all odd ones, those with the largest
+# least distance between points on the unit square, then in the three planes of the cube.
+_LATTICES = ((16, 13, 11), (64, 45, 53), (256, 185, 229))
+
+
+def radiance(scene: Scene, camera: Camera, tracks: Array) -> NDArray[np.float32]:
+    """Average light on each pixel of an ideal lens.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+    tracks : (H or 1, T, 12) float64
+        As of `padstudio.simulate.motion.tracks`.
+
+    Returns
+    -------
+    (H, W, 3) float32
+        Linear RGB; 1.0 is white paper's upper bound under light of level 1.
+    """
+    # Numba takes half a second to load: only those who render pay for it.
+    from padstudio.simulate.radiance.kernel import shade_rows
+
+    rays = ray_map(camera)
+    surface = surface_of(scene)
+    patch_mm = min(float(np.diff(edges).min()) for edges in (surface.x_edges, surface.y_edges))
+    light = illumination_of(scene.light)
+    out = np.empty((camera.height, camera.width, 3), np.float32)
+    lattices = _lattices()
+
+    def shade(first: int) -> None:
+        last = min(first + band, camera.height)
+        shade_rows(first, last, rays, tracks, lattices, surface, light, patch_mm, out)
+
+    band = 32
+    with ThreadPoolExecutor(max_workers=min(8, os.cpu_count() or 1)) as pool:
+        list(pool.map(shade, range(0, camera.height, band)))
+    out *= np.asarray(scene.light.cast, np.float32)
+    return out
+
+
+def _lattices() -> Array:
+    """(3, 256, 3) float64: positions in the pixel and the exposure, each within 0 … 1."""
+    out = np.zeros((3, 256, 3))
+    for k, (count, second, third) in enumerate(_LATTICES):
+        i = np.arange(count)
+        for axis, generator in enumerate((1, second, third)):
+            out[k, :count, axis] = (i * generator % count + 0.5) / count
+    return out

@@ -1,0 +1,130 @@
+"""A scene as the flat arrays that the kernel reads."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.pad.layout import layout
+from padstudio.simulate.radiance.ground import SIZE, TEXEL_MM, texture
+from padstudio.simulate.radiance.inks import linear_from_srgb
+from padstudio.simulate.radiance.scene import Light, Scene
+
+Array = NDArray[np.float64]
+
+_SKY_SRGB = (140.0, 152.0, 176.0)
+
+
+class Surface(NamedTuple):
+    """The ground and what lies on it.
+
+    ``patches`` (R, C, 3) are linear colours between ``x_edges`` (C + 1,) and ``y_edges`` (R + 1,),
+    page coordinates, mm; ``x_bins`` and ``y_bins`` give the patch at the start of each step of
+    ``bin_mm``. ``to_page`` is (ax, bx, ay, by). ``discs`` (N, 6) are x, y, squared radius, colour.
+    ``texture`` (M, 3) holds all levels of a square tile of ``texture_size`` texels, finest first,
+    at ``offsets`` (L,).
+    """
+
+    patches: NDArray[np.float32]
+    x_edges: Array
+    y_edges: Array
+    x_bins: NDArray[np.int32]
+    y_bins: NDArray[np.int32]
+    bin_mm: float
+    to_page: Array
+    discs: Array
+    texture: NDArray[np.float32]
+    offsets: NDArray[np.int64]
+    texture_size: int
+    texel_mm: float
+    sky: Array
+
+
+class Illumination(NamedTuple):
+    """``level``, ``gradient`` (2,) per mm, and ``shadows`` (N, 7).
+
+    The columns of ``shadows`` are: whether it is a disc, x, y, a, b, softness, density.
+
+    For a disc ``a`` is its radius; for a half plane (a, b) is the unit vector into the shadow.
+    """
+
+    level: float
+    gradient: Array
+    shadows: Array
+
+
+def surface_of(scene: Scene) -> Surface:
+    """What lies on the ground of a scene."""
+    tile = texture(scene.ground, scene.ground_seed)
+    x, y, patches, to_page = _sheet(scene)
+    gaps = np.concatenate([np.diff(x), np.diff(y)])
+    smallest = float(gaps.min())
+    # At least one bin a patch, so that a look-up takes a step or two; no more than a megabyte.
+    bin_mm = max(smallest, max(x[-1], y[-1]) / 100_000)
+    discs = [
+        [o.x_mm, o.y_mm, o.radius_mm**2, *linear_from_srgb(np.array(o.color) / 255.0)]
+        for o in scene.occluders
+    ]
+    return Surface(
+        patches=patches,
+        x_edges=x,
+        y_edges=y,
+        x_bins=_bins(x, bin_mm),
+        y_bins=_bins(y, bin_mm),
+        bin_mm=bin_mm,
+        to_page=to_page,
+        discs=np.array(discs, float).reshape(-1, 6),
+        texture=tile.texels,
+        offsets=tile.offsets,
+        texture_size=SIZE,
+        texel_mm=TEXEL_MM,
+        sky=linear_from_srgb(np.array(_SKY_SRGB) / 255.0),
+    )
+
+
+def _sheet(scene: Scene) -> tuple[Array, Array, NDArray[np.float32], Array]:
+    """Edges and colours of the sheet with its margin, and the way to it from the pad frame."""
+    pad = scene.pad
+    plan = scene.sheet if pad is None else layout(pad)
+    if plan is None:
+        # A sheet of no breadth far away: the ground is bare.
+        edges = np.array([0.0, 1e-3])
+        return edges, edges, np.zeros((1, 1, 3), np.float32), np.array([1.0, 1e9, -1.0, 1e9])
+    own = float(plan.x_mm[0])
+    quiet = own if scene.quiet_mm is None else scene.quiet_mm
+    x, y = plan.x_mm - own + quiet, plan.y_mm - own + quiet
+    colors = scene.inks.reflectance(plan.colors)
+    if quiet > 0:
+        white = scene.inks.reflectance(np.full(3, 255, np.uint8))
+        framed = np.empty((colors.shape[0] + 2, colors.shape[1] + 2, 3), np.float32)
+        framed[:] = white
+        framed[1:-1, 1:-1] = colors
+        colors = framed
+        x = np.concatenate([[0.0], x, [x[-1] + quiet]])
+        y = np.concatenate([[0.0], y, [y[-1] + quiet]])
+    sx, sy = (1.0, 1.0) if pad is None else pad.scale
+    to_page = np.array([1 / sx, x[-1] / 2, -1 / sy, y[-1] / 2])
+    return np.ascontiguousarray(x), np.ascontiguousarray(y), colors, to_page
+
+
+def _bins(edges: Array, bin_mm: float) -> NDArray[np.int32]:
+    starts = np.arange(0.0, edges[-1], bin_mm)
+    index = np.searchsorted(edges, starts, side="right") - 1
+    return np.clip(index, 0, len(edges) - 2).astype(np.int32)
+
+
+def illumination_of(light: Light) -> Illumination:
+    """The light on the ground of a scene."""
+    rows = []
+    for s in light.shadows:
+        toward = math.radians(s.toward_deg)
+        a, b = (s.radius_mm, 0.0) if s.radius_mm else (math.sin(toward), math.cos(toward))
+        rows.append([float(bool(s.radius_mm)), s.x_mm, s.y_mm, a, b, s.softness_mm, s.density])
+    return Illumination(
+        level=light.level,
+        gradient=np.array(light.gradient_per_m, float) / 1000.0,
+        shadows=np.array(rows, float).reshape(-1, 7),
+    )

@@ -1,0 +1,127 @@
+"""What the simulator's inner loop meets at a point of the ground, and the light there.
+
+The arguments ``surface`` and ``light`` are the records of `padstudio.simulate.radiance.surface`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from padstudio.simulate.radiance.options import inlined
+
+
+@inlined
+def interval(value, edges, bins, bin_mm):  # type: ignore[no-untyped-def]
+    """The interval between edges that a page coordinate falls into, -1 outside the sheet."""
+    if value < 0.0 or value >= edges[edges.shape[0] - 1]:
+        return -1
+    i = bins[min(int(value / bin_mm), bins.shape[0] - 1)]
+    while value >= edges[i + 1]:
+        i += 1
+    while value < edges[i]:
+        i -= 1
+    return i
+
+
+@inlined
+def _bilinear(u, v, base, size, texture):  # type: ignore[no-untyped-def]
+    """Texture of the level at ``base``, at texel coordinates of that level."""
+    x = math.floor(u - 0.5)
+    y = math.floor(v - 0.5)
+    fx = u - 0.5 - x
+    fy = v - 0.5 - y
+    left = int(x) & (size - 1)
+    right = (left + 1) & (size - 1)
+    above = base + (int(y) & (size - 1)) * size
+    below = base + ((int(y) + 1) & (size - 1)) * size
+    w00 = (1 - fx) * (1 - fy)
+    w10 = fx * (1 - fy)
+    w01 = (1 - fx) * fy
+    w11 = fx * fy
+    a, b, c, d = above + left, above + right, below + left, below + right
+    return (
+        w00 * texture[a, 0] + w10 * texture[b, 0] + w01 * texture[c, 0] + w11 * texture[d, 0],
+        w00 * texture[a, 1] + w10 * texture[b, 1] + w01 * texture[c, 1] + w11 * texture[d, 1],
+        w00 * texture[a, 2] + w10 * texture[b, 2] + w01 * texture[c, 2] + w11 * texture[d, 2],
+    )
+
+
+@inlined
+def ground_color(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
+    """The texture averaged over about ``spread_mm`` (trilinear between levels)."""
+    last = surface.offsets.shape[0] - 1
+    depth = min(math.log2(max(spread_mm / surface.texel_mm, 1.0)), float(last))
+    low = int(depth)
+    share = depth - low
+    size = surface.texture_size >> low
+    u = x / (surface.texel_mm * (1 << low))
+    v = y / (surface.texel_mm * (1 << low))
+    r, g, b = _bilinear(u, v, surface.offsets[low], size, surface.texture)
+    if share > 0:
+        base = surface.offsets[low + 1]
+        r1, g1, b1 = _bilinear(u * 0.5, v * 0.5, base, size >> 1, surface.texture)
+        r += share * (r1 - r)
+        g += share * (g1 - g)
+        b += share * (b1 - b)
+    return r, g, b
+
+
+@inlined
+def _disc_at(x, y, discs):  # type: ignore[no-untyped-def]
+    """The uppermost disc at a ground point, -1 where there is none."""
+    for k in range(discs.shape[0] - 1, -1, -1):
+        dx = x - discs[k, 0]
+        dy = y - discs[k, 1]
+        if dx * dx + dy * dy < discs[k, 2]:
+            return k
+    return -1
+
+
+@inlined
+def touches_disc(x0, x1, y0, y1, discs):  # type: ignore[no-untyped-def]
+    for k in range(discs.shape[0]):
+        dx = max(x0 - discs[k, 0], 0.0, discs[k, 0] - x1)
+        dy = max(y0 - discs[k, 1], 0.0, discs[k, 1] - y1)
+        if dx * dx + dy * dy < discs[k, 2]:
+            return True
+    return False
+
+
+@inlined
+def light_at(x, y, light):  # type: ignore[no-untyped-def]
+    slope = light.gradient[0] * x + light.gradient[1] * y
+    value = light.level * min(max(1.0 + slope, 0.08), 4.0)
+    shadows = light.shadows
+    for k in range(shadows.shape[0]):
+        dx = x - shadows[k, 1]
+        dy = y - shadows[k, 2]
+        if shadows[k, 0] > 0:
+            depth = shadows[k, 3] - math.hypot(dx, dy)
+        else:
+            depth = dx * shadows[k, 3] + dy * shadows[k, 4]
+        t = min(max(depth / max(shadows[k, 5], 1e-6) + 0.5, 0.0), 1.0)
+        value *= 1.0 - shadows[k, 6] * t * t * (3.0 - 2.0 * t)
+    return value
+
+
+@inlined
+def color_at(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
+    """Colour of what lies at a ground point: a disc, else the sheet, else the ground."""
+    k = _disc_at(x, y, surface.discs)
+    if k >= 0:
+        return surface.discs[k, 3], surface.discs[k, 4], surface.discs[k, 5]
+    q, p = patch_at(x, y, surface)
+    if p >= 0:
+        return surface.patches[q, p, 0], surface.patches[q, p, 1], surface.patches[q, p, 2]
+    return ground_color(x, y, spread_mm, surface)
+
+
+@inlined
+def patch_at(x, y, surface):  # type: ignore[no-untyped-def]
+    """Row and column of the patch at a ground point; column −1 off the sheet."""
+    page = surface.to_page
+    p = interval(page[0] * x + page[1], surface.x_edges, surface.x_bins, surface.bin_mm)
+    if p < 0:
+        return -1, -1
+    q = interval(page[2] * y + page[3], surface.y_edges, surface.y_bins, surface.bin_mm)
+    return q, (p if q >= 0 else -1)

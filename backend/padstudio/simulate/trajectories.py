@@ -1,0 +1,233 @@
+"""Simulated flights: where the camera is, how it moves, frame by frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import LimitError, SpecError
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose, look_at_pad
+from padstudio.simulate.motion import Motion
+from padstudio.simulate.radiance.lens import check_lens
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import Frame, check_pose, render
+from padstudio.simulate.sensor import Imaging
+
+Array = NDArray[np.float64]
+Path = Callable[[float], Pose]
+FlightKind = Literal["descent", "hover", "landing", "gusty", "tilts"]
+FLIGHT_KINDS: tuple[FlightKind, ...] = get_args(FlightKind)
+#: Those that are one movement, usually written as a video.
+VIDEO_KINDS: tuple[FlightKind, ...] = ("hover", "landing", "gusty")
+
+MAX_FRAMES = 20_000
+MAX_HEIGHT_MM = 1_000_000.0
+_STEP_S = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """Poses and motions of a flight's frames.
+
+    Attributes
+    ----------
+    name : str
+        Stem of the files' names.
+    fps : float or None
+        None for a series of stills that are not one movement.
+    poses : tuple of Pose
+    motions : tuple of Motion
+        Velocities at each pose.
+    groups : tuple of str
+        What each frame tests, for the score.
+    """
+
+    name: str
+    fps: float | None
+    poses: tuple[Pose, ...]
+    motions: tuple[Motion, ...]
+    groups: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def time_s(self, frame: int) -> float | None:
+        """When a frame is taken, seconds from the first; None for stills."""
+        return None if self.fps is None else frame / self.fps
+
+    def frames(
+        self, scene: Scene, camera: Camera, imaging: Imaging | None = None, *, seed: int = 0
+    ) -> Iterator[Frame]:
+        """Render the frames in their order; raises as `padstudio.simulate.render.render`."""
+        for index, (pose, motion) in enumerate(zip(self.poses, self.motions, strict=True)):
+            noise = int(np.random.SeedSequence([seed, index]).generate_state(1, np.uint64)[0])
+            yield render(scene, camera, pose, imaging, noise, motion=motion)
+
+
+def plan(
+    kind: FlightKind,
+    *,
+    frames: int,
+    from_mm: float,
+    to_mm: float,
+    fps: float = 30.0,
+    seed: int = 0,
+    sway: float = 1.0,
+) -> Flight:
+    """Plan a flight.
+
+    Parameters
+    ----------
+    kind : {"descent", "hover", "landing", "gusty", "tilts"}
+        descent: stills from ``from_mm`` down to ``to_mm``, in even ratios, each with a heading and
+        a place of its own. hover: a video at ``from_mm``. landing, gusty: a video from ``from_mm``
+        down to ``to_mm``, calm or in gusts. tilts: stills at the distance ``from_mm`` with the axis
+        0 … 70 degrees off straight down.
+    frames : int
+    from_mm, to_mm : float
+        Heights, mm.
+    fps : float
+        Of the videos.
+    seed : int
+    sway : float
+        Scales how much the camera wanders and leans.
+
+    Raises
+    ------
+    SpecError
+        If a figure is out of range.
+    LimitError
+        If more than `MAX_FRAMES` frames are asked for.
+    """
+    _check(kind, frames, from_mm, to_mm, fps, sway)
+    rng = np.random.default_rng([seed, *kind.encode()])
+    if kind == "descent":
+        heights = np.geomspace(from_mm, to_mm, frames)
+        poses = [_scattered(rng, float(h), sway) for h in heights]
+        return _stills(kind, poses, ["descent"] * frames)
+    if kind == "tilts":
+        tilts = np.linspace(0.0, 70.0, frames)
+        poses = [_tilted(rng, from_mm, float(tilt)) for tilt in tilts]
+        return _stills(kind, poses, [f"tilt{tilt:.0f}" for tilt in tilts])
+    duration_s = max(frames - 1, 1) / fps
+    strength = {"hover": 0.5, "landing": 1.0, "gusty": 3.0}[kind] * sway
+    end_mm = from_mm if kind == "hover" else to_mm
+    path = wandering_path(rng, from_mm, end_mm, duration_s, strength)
+    times = np.arange(frames) / fps
+    return Flight(
+        name=kind,
+        fps=fps,
+        poses=tuple(path(float(t)) for t in times),
+        motions=tuple(motion_along(path, float(t)) for t in times),
+        groups=("flight",) * frames,
+    )
+
+
+def check_flight(flight: Flight, camera: Camera) -> None:
+    """Refuse what cannot be rendered before anything is; raises as `render`."""
+    check_lens(camera)
+    for pose in flight.poses:
+        check_pose(camera, pose)
+
+
+def wandering_path(
+    rng: np.random.Generator, from_mm: float, to_mm: float, duration_s: float, strength: float
+) -> Path:
+    """A smooth path down: even ratios of height, drift and leaning as sums of slow waves.
+
+    Drift is a share of the height, so that the pad stays about in the middle of the picture.
+    """
+    drift = [_waves(rng, 0.05 * strength) for _ in range(2)]
+    lean = [_waves(rng, math.radians(2.0) * strength) for _ in range(2)]
+    turn, heading = _waves(rng, math.radians(6.0) * strength), rng.random() * 2 * math.pi
+
+    def path(time_s: float) -> Pose:
+        share = min(max(time_s / duration_s, 0.0), 1.0)
+        share = share * share * (3.0 - 2.0 * share)
+        height = from_mm * (to_mm / from_mm) ** share
+        level = look_at_pad(height, heading_deg=math.degrees(heading + turn(time_s))).rotation
+        tip = cv2.Rodrigues(np.array([lean[0](time_s), lean[1](time_s), 0.0]))[0]
+        place = np.array([height * drift[0](time_s), height * drift[1](time_s), height])
+        return Pose(place, level @ np.asarray(tip, float))
+
+    return path
+
+
+def motion_along(path: Path, time_s: float) -> Motion:
+    """Velocities on a path, by central differences."""
+    before, after = path(time_s - _STEP_S), path(time_s + _STEP_S)
+    velocity = (after.position_mm - before.position_mm) / (2 * _STEP_S)
+    turn = np.asarray(cv2.Rodrigues(before.rotation.T @ after.rotation)[0], float).ravel()
+    rate = np.degrees(turn) / (2 * _STEP_S)
+    return Motion(
+        velocity_mm_s=(float(velocity[0]), float(velocity[1]), float(velocity[2])),
+        angular_deg_s=(float(rate[0]), float(rate[1]), float(rate[2])),
+    )
+
+
+def _waves(rng: np.random.Generator, amplitude: float) -> Callable[[float], float]:
+    periods = np.array([5.0, 2.1, 0.9]) * (0.8 + 0.4 * rng.random(3))
+    weights = np.array([1.0, 0.4, 0.12])
+    phases = rng.random(3) * 2 * math.pi
+
+    def wave(time_s: float) -> float:
+        angles = 2 * math.pi * time_s / periods + phases
+        return float(amplitude * (weights * np.sin(angles)).sum())
+
+    return wave
+
+
+def _scattered(rng: np.random.Generator, height_mm: float, sway: float) -> Pose:
+    reach = min(0.1 * height_mm, 250.0) * sway
+    x, y = rng.uniform(-reach, reach, 2)
+    return look_at_pad(
+        height_mm,
+        tilt_deg=min(float(rng.random()) * 8.0 * sway, 60.0),
+        heading_deg=float(rng.random()) * 360.0,
+        tilt_towards_deg=float(rng.random()) * 360.0,
+        target_mm=(float(x), float(y)),
+    )
+
+
+def _tilted(rng: np.random.Generator, distance_mm: float, tilt_deg: float) -> Pose:
+    toward = float(rng.random()) * 360.0
+    return look_at_pad(
+        distance_mm * math.cos(math.radians(tilt_deg)),
+        tilt_deg=tilt_deg,
+        heading_deg=toward,
+        tilt_towards_deg=toward,
+    )
+
+
+def _stills(name: str, poses: list[Pose], groups: list[str]) -> Flight:
+    return Flight(name, None, tuple(poses), (Motion(),) * len(poses), tuple(groups))
+
+
+def _check(kind: str, frames: int, from_mm: float, to_mm: float, fps: float, sway: float) -> None:
+    if kind not in FLIGHT_KINDS:
+        raise SpecError(f"no flight {kind!r}; choose one of {', '.join(FLIGHT_KINDS)}")
+    if frames > MAX_FRAMES:
+        raise LimitError(
+            f"{frames} frames are asked for at once; the limit is {MAX_FRAMES}, split the flight",
+            code="too_many_frames",
+            detail={"frames": frames, "limit": MAX_FRAMES},
+        )
+    if frames < 1:
+        raise SpecError(f"{frames} frames are asked for; ask for at least 1")
+    for name, value in (("from_mm", from_mm), ("to_mm", to_mm)):
+        if not 1.0 < value <= MAX_HEIGHT_MM:
+            raise SpecError(
+                f"{name} is {value:g}; a height lies above 1 and at most {MAX_HEIGHT_MM:g} mm",
+                code="pose_below_ground" if value <= 1 else "invalid_spec",
+            )
+    if not 0.1 <= fps <= 1000:
+        raise SpecError(f"fps is {fps}; it must lie within 0.1 … 1000")
+    if not 0 <= sway <= 10:
+        raise SpecError(f"sway is {sway}; it must lie within 0 … 10")
