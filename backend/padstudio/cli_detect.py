@@ -25,7 +25,7 @@ from padstudio.cli_support import (
 )
 
 if TYPE_CHECKING:
-    from padstudio.flights.detectors import Recipe
+    from padstudio.flights.tasks.detectors import Recipe
 
 Figures = dict[str, Any]
 
@@ -98,7 +98,7 @@ def detect(
     The exit code is 0 if at least one frame gave a pose, 1 if none did, 2 for wrong input.
     """
     from padstudio.flights import batch
-    from padstudio.flights.sources import find_frames
+    from padstudio.media.sources import find_frames
 
     if not os.environ.get("PADSTUDIO_DEBUG"):
         # A defect is one line like other errors; its traceback is for who looks for it.
@@ -120,7 +120,7 @@ def detect(
 
 
 def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
-    from padstudio.flights.detectors import Recipe
+    from padstudio.flights.tasks.detectors import Recipe
     from padstudio.geometry import camera_files
     from padstudio.pad import files as pad_files
 
@@ -166,7 +166,7 @@ def _writer(
 
 def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
     """What a poses file holds; a last line that was cut off is cut away."""
-    from padstudio.flights.poses_file import cut_unfinished_line, read_poses
+    from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
 
     cut_unfinished_line(path)
     return {(record["source"], record["frame"]): _figures(record) for record in read_poses(path)}

@@ -75,7 +75,7 @@ def export(
     from padstudio.flights.exports.file_pictures import FilePictures
     from padstudio.flights.exports.options import ExportOptions
     from padstudio.flights.exports.vehicle import Mount
-    from padstudio.flights.poses_file import read_poses
+    from padstudio.flights.results.poses_file import read_poses
 
     options = ExportOptions(
         camera=None if camera is None else load_camera(camera),

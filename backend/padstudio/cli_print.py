@@ -145,7 +145,7 @@ def crosstalk(
     forget: Annotated[bool, typer.Option("--forget", help="Un-mix frames no longer.")] = False,
 ) -> None:
     """Read a photo of the test strip; frames are then un-mixed by what printer and camera do."""
-    from padstudio.flights import images
+    from padstudio.media import images
     from padstudio.pad.crosstalk import with_crosstalk
     from padstudio.vision.strip_photo import estimate_crosstalk
 

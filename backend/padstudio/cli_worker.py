@@ -56,8 +56,8 @@ def worker(
     The server is given the same scheduler by PADSTUDIO_SCHEDULER. Workers read uploads from where
     PADSTUDIO_STORAGE says, which has to be reached under the same name from here.
     """
-    from padstudio.flights.cluster_worker import lend_workers
-    from padstudio.flights.engine import EngineOptions
+    from padstudio.flights.cluster.engine import EngineOptions
+    from padstudio.flights.cluster.worker import lend_workers
 
     options = EngineOptions(
         scheduler=scheduler,

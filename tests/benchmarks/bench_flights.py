@@ -28,12 +28,12 @@ from typing import Any
 import cv2
 from looped import looped
 
-from padstudio.flights.detectors import Recipe
-from padstudio.flights.engine import Engine, EngineOptions
-from padstudio.flights.engine_tasks import Outcome, Task
-from padstudio.flights.planning import PlanTask, SourceFile
-from padstudio.flights.tasks import FramesTask, VideoPart
-from padstudio.flights.work import video_part
+from padstudio.flights.cluster.engine import Engine, EngineOptions
+from padstudio.flights.cluster.task import Outcome, Task
+from padstudio.flights.tasks.detectors import Recipe
+from padstudio.flights.tasks.frames import FramesTask, VideoPart
+from padstudio.flights.tasks.from_rows import video_part
+from padstudio.flights.tasks.planning import PlanTask, SourceFile
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 MAX_PIXELS = 50_000_000

@@ -23,7 +23,7 @@ import score
 
 import padstudio
 from padstudio import Camera, Detector, Pad
-from padstudio.flights import images
+from padstudio.media import images
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 Frame = tuple[str, int, Any]

@@ -21,12 +21,12 @@ from typing import Any
 
 import numpy as np
 
-from padstudio.flights.figure_rows import FigureRows
-from padstudio.flights.flight_tables import FlightRow
-from padstudio.flights.result_rows import insert_rows
-from padstudio.flights.results import FrameFilter, Results
-from padstudio.flights.store_database import Sessions, open_database
-from padstudio.flights.summaries import Summaries
+from padstudio.flights.results.charts import FigureRows
+from padstudio.flights.results.frames import FrameFilter, Results
+from padstudio.flights.results.rows import insert_rows
+from padstudio.flights.results.summaries import Summaries
+from padstudio.store.database.engine import Sessions, open_database
+from padstudio.store.database.flight_tables import FlightRow
 
 FPS = 30
 BLOCK = 20_000

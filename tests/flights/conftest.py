@@ -10,9 +10,9 @@ import postgres_server
 import pytest
 from upload_senders import LIMITS
 
-from padstudio.flights.store import Store
-from padstudio.flights.upload_limits import UploadLimits
-from padstudio.flights.uploads import Uploads
+from padstudio.store.store import Store
+from padstudio.store.uploads.limits import UploadLimits
+from padstudio.store.uploads.uploads import Uploads
 
 NewDatabase = Callable[[], str | None]
 

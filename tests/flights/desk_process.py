@@ -7,11 +7,11 @@ import sys
 import threading
 from pathlib import Path
 
+from padstudio.flights.cluster.engine import EngineOptions
 from padstudio.flights.desk import FlightDesk
-from padstudio.flights.engine import EngineOptions
-from padstudio.flights.storage import Storage
-from padstudio.flights.store import Store
-from padstudio.flights.work import WorkLimits
+from padstudio.flights.tasks.from_rows import WorkLimits
+from padstudio.media.remote import Storage
+from padstudio.store.store import Store
 
 
 def open_desk(store: Store, data: Path, **options: int) -> FlightDesk:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from padstudio.errors import SpecError
-from padstudio.flights.stopping import TaskStoppedError
+from padstudio.flights.cluster.stopping import TaskStoppedError
 
 
 @dataclass(frozen=True)

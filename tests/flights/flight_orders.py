@@ -8,9 +8,9 @@ from typing import Any
 import videos
 
 from padstudio.flights.jobs import FlightOrder
-from padstudio.flights.store import Store
 from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
+from padstudio.store.store import Store
 
 PAD = (
     '{"format": "padstudio.pad", "version": 1, "name": "tiny", "window": 2, "levels": 2, '

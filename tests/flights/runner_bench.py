@@ -13,12 +13,12 @@ import numpy as np
 import videos
 
 from padstudio.flights.chunks import Chunks
-from padstudio.flights.engine_tasks import Outcome
-from padstudio.flights.flight_tables import ChunkRow, FlightRow
+from padstudio.flights.cluster.task import Outcome
 from padstudio.flights.jobs import Flights
-from padstudio.flights.planning import ChunkPlan, Plan
 from padstudio.flights.runner import Runner
-from padstudio.flights.store import Store
+from padstudio.flights.tasks.planning import ChunkPlan, Plan
+from padstudio.store.database.flight_tables import ChunkRow, FlightRow
+from padstudio.store.store import Store
 
 OVER = ("done", "failed", "cancelled")
 CRASH = Outcome("crashed", error={"code": "worker_crashed", "message": "it died", "detail": {}})

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from padstudio.flights import batch
-from padstudio.flights.detectors import Recipe
+from padstudio.flights.tasks.detectors import Recipe
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "samples"

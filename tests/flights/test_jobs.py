@@ -15,11 +15,11 @@ from sqlalchemy import update
 
 from padstudio.errors import ConflictError, LimitError, NotFoundError
 from padstudio.flights.chunks import Chunks, Claim
-from padstudio.flights.flight_tables import ChunkRow, FlightRow
 from padstudio.flights.jobs import Flights
-from padstudio.flights.planning import ChunkPlan, Plan
-from padstudio.flights.results import FrameFilter, Results
-from padstudio.flights.store import Store
+from padstudio.flights.results.frames import FrameFilter, Results
+from padstudio.flights.tasks.planning import ChunkPlan, Plan
+from padstudio.store.database.flight_tables import ChunkRow, FlightRow
+from padstudio.store.store import Store
 
 ERROR = {"code": "worker_crashed", "message": "the process died", "detail": {}}
 SOURCE = {"upload": "u", "kind": "video", "name": "a.mp4", "url": "a", "first_frame": 0}

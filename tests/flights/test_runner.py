@@ -11,8 +11,8 @@ from runner_bench import CRASH, REFUSAL, Bench, Ended, Work, do, first_then
 from sqlalchemy import event
 
 from padstudio.errors import StorageError
-from padstudio.flights.engine_tasks import Outcome
-from padstudio.flights.flight_tables import ChunkRow, FlightRow
+from padstudio.flights.cluster.task import Outcome
+from padstudio.store.database.flight_tables import ChunkRow, FlightRow
 
 
 @pytest.fixture

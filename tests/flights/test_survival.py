@@ -17,7 +17,7 @@ import psutil
 import videos
 from desk_process import open_desk
 
-from padstudio.flights.store import Store
+from padstudio.store.store import Store
 
 FLIGHTS, FRAMES = 200, 6
 PATIENCE_S = 900

@@ -8,9 +8,9 @@ import av
 import numpy as np
 import pytest
 
-from padstudio.flights.video_frames import read_frames
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
+from padstudio.media.video_frames import read_frames
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging

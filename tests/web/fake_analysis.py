@@ -9,10 +9,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from padstudio.flights import images
-from padstudio.flights.analysis import RESULT_PICTURE, THUMBNAIL_PREFIX, Job
 from padstudio.geometry import camera_files
+from padstudio.media import images
 from padstudio.pad import files as pad_files
+from padstudio.workers.detection import RESULT_PICTURE, THUMBNAIL_PREFIX, Job
 
 
 def analyze(job: Job) -> dict[str, Any]:

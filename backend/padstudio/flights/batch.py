@@ -13,12 +13,13 @@ from typing import Any
 import cv2
 
 from padstudio.errors import StudioError
-from padstudio.flights import images, video_index, work
-from padstudio.flights.detectors import Recipe, detector_for
-from padstudio.flights.planning import PlanTask, SourceFile
-from padstudio.flights.sources import is_video
-from padstudio.flights.tasks import FramesTask, VideoPart
-from padstudio.flights.workers import WorkerPool
+from padstudio.flights.tasks import from_rows
+from padstudio.flights.tasks.detectors import Recipe, detector_for
+from padstudio.flights.tasks.frames import FramesTask, VideoPart
+from padstudio.flights.tasks.planning import PlanTask, SourceFile
+from padstudio.media import images, video_index
+from padstudio.media.sources import is_video
+from padstudio.workers.pool import WorkerPool
 
 Record = dict[str, Any]
 logger = logging.getLogger(__name__)
@@ -166,7 +167,7 @@ def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -
                 recipe,
                 chunk.first_frame,
                 stride,
-                work.video_part(found.sources[0], chunk.pts),
+                from_rows.video_part(found.sources[0], chunk.pts),
                 images.MAX_PIXELS,
             ),
         )

@@ -14,10 +14,10 @@ from typing import Any
 from sqlalchemy import func, insert, select, update
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
-from padstudio.flights.flight_tables import ChunkRow, FlightRow
-from padstudio.flights.planning import Plan
-from padstudio.flights.result_rows import insert_rows, rows_of
-from padstudio.flights.tasks import Record
+from padstudio.flights.results.rows import insert_rows, rows_of
+from padstudio.flights.tasks.frames import Record
+from padstudio.flights.tasks.planning import Plan
+from padstudio.store.database.flight_tables import ChunkRow, FlightRow
 
 OPEN = ("queued", "running")
 

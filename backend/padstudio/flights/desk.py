@@ -9,22 +9,22 @@ from pathlib import Path
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.errors import SpecError
-from padstudio.flights import work
 from padstudio.flights.chunks import Chunks
-from padstudio.flights.detectors import params_from
-from padstudio.flights.engine import Engine, EngineOptions
-from padstudio.flights.engine_tasks import Task
-from padstudio.flights.figure_rows import FigureRows
-from padstudio.flights.flight_tables import ChunkRow, FlightRow
+from padstudio.flights.cluster.engine import Engine, EngineOptions
+from padstudio.flights.cluster.task import Task
 from padstudio.flights.jobs import FlightOrder, Flights
-from padstudio.flights.pictures import Kind, PictureCache, PictureJob, picture_job
-from padstudio.flights.results import Results
+from padstudio.flights.pictures.stages import Kind, PictureCache, PictureJob, picture_job
+from padstudio.flights.results.charts import FigureRows
+from padstudio.flights.results.frames import Results
+from padstudio.flights.results.summaries import Summaries
 from padstudio.flights.runner import Runner
-from padstudio.flights.storage import Storage
-from padstudio.flights.summaries import Summaries
-from padstudio.flights.upload_rows import Upload
-from padstudio.flights.uploads import Uploads
-from padstudio.flights.work import WorkLimits
+from padstudio.flights.tasks import from_rows
+from padstudio.flights.tasks.detectors import params_from
+from padstudio.flights.tasks.from_rows import WorkLimits
+from padstudio.media.remote import Storage
+from padstudio.store.database.flight_tables import ChunkRow, FlightRow
+from padstudio.store.uploads.rows import Upload
+from padstudio.store.uploads.uploads import Uploads
 
 
 class FlightDesk:
@@ -160,10 +160,10 @@ class FlightDesk:
 
     def _task_of(self, flight: FlightRow, chunk: ChunkRow) -> Task:
         if chunk.number:
-            return work.frames_task(flight, chunk, self.limits)
+            return from_rows.frames_task(flight, chunk, self.limits)
         uploads = [self._complete(upload) for upload in self.flights.uploads(flight)]
         files = [(u.id, u.kind or "", u.name, self._uploads.path(u.id)) for u in uploads]
-        return work.plan_task(flight, files, self._storage.place, self.limits)
+        return from_rows.plan_task(flight, files, self._storage.place, self.limits)
 
     def _complete(self, upload_id: str) -> Upload:
         self._uploads.path(upload_id)

@@ -17,14 +17,14 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
 from padstudio.errors import ConflictError, LimitError, NotFoundError
-from padstudio.flights.flight_tables import (
+from padstudio.store.database.data_folder import new_id
+from padstudio.store.database.flight_tables import (
     ChunkRow,
     FlightRow,
     FlightUploadRow,
     FrameDetailRow,
     FrameRow,
 )
-from padstudio.flights.store_files import new_id
 
 OPEN = ("queued", "running")
 _DELETE_ROWS = 20_000

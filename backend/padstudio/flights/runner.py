@@ -13,11 +13,11 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from padstudio.errors import StudioError
 from padstudio.flights.chunks import Chunks, Claim
-from padstudio.flights.engine import Engine
-from padstudio.flights.engine_tasks import Outcome, Task, error_dict
-from padstudio.flights.flight_tables import ChunkRow, FlightRow
+from padstudio.flights.cluster.engine import Engine
+from padstudio.flights.cluster.task import Outcome, Task, error_dict
 from padstudio.flights.jobs import Flights
-from padstudio.flights.store_database import storage_error
+from padstudio.store.database.engine import storage_error
+from padstudio.store.database.flight_tables import ChunkRow, FlightRow
 
 logger = logging.getLogger(__name__)
 

@@ -15,11 +15,9 @@ from starlette.types import Scope
 
 from padstudio import __version__, resources
 from padstudio.errors import SpecError
-from padstudio.flights import analysis
-from padstudio.flights.store import Store
-from padstudio.flights.upload_limits import UploadLimits
-from padstudio.flights.workers import WorkerPool
-from padstudio.flights.zip_stills import ZipLimits
+from padstudio.media.zip_stills import ZipLimits
+from padstudio.store.store import Store
+from padstudio.store.uploads.limits import UploadLimits
 from padstudio.web import (
     cameras,
     coverage,
@@ -43,6 +41,8 @@ from padstudio.web.flight_desk import open_desk
 from padstudio.web.security import Guard
 from padstudio.web.services import Analyze, Services
 from padstudio.web.settings import Settings, load_settings
+from padstudio.workers import detection
+from padstudio.workers.pool import WorkerPool
 
 API = "/api/v1"
 _DESCRIPTION = (
@@ -60,7 +60,9 @@ class RevalidatedFiles(StaticFiles):
         return response
 
 
-def create_app(settings: Settings | None = None, *, analyze: Analyze = analysis.analyze) -> FastAPI:
+def create_app(
+    settings: Settings | None = None, *, analyze: Analyze = detection.analyze
+) -> FastAPI:
     """Build the application; the data folder is opened when it starts to serve.
 
     Parameters

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 
 from padstudio.errors import ConflictError
-from padstudio.flights.store import Store
 from padstudio.geometry import camera_files, presets
 from padstudio.geometry.camera import Camera
+from padstudio.store.store import Store
 from padstudio.web.schemas import CameraList, CameraSummary
 from padstudio.web.services import ERRORS, ItemId, Shared, attachment, check_size
 

@@ -8,7 +8,6 @@ from fastapi import APIRouter, Query
 from fastapi.concurrency import run_in_threadpool
 
 from padstudio.errors import LimitError
-from padstudio.flights.store import Store
 from padstudio.geometry import camera_files
 from padstudio.pad import files as pad_files
 from padstudio.pad.coverage import advice
@@ -18,6 +17,7 @@ from padstudio.pad.coverage.pinhole import View
 from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, Span
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW, Pad
 from padstudio.simulate.success_map import view_of
+from padstudio.store.store import Store
 from padstudio.web import simulating
 from padstudio.web.cameras import camera_text
 from padstudio.web.schemas_planning import (

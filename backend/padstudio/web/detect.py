@@ -10,12 +10,12 @@ from fastapi import Path as PathParameter
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
 
-from padstudio.flights import analysis
-from padstudio.flights.store import new_id
-from padstudio.flights.store_files import remove
+from padstudio.store.database.data_folder import remove
+from padstudio.store.store import new_id
 from padstudio.web.cameras import camera_text, file_name
 from padstudio.web.schemas import DetectionAnswer
 from padstudio.web.services import ERRORS, ItemId, Services, Shared, check_size
+from padstudio.workers import detection
 
 router = APIRouter(prefix="/detect", tags=["detect"], responses=ERRORS)
 
@@ -49,7 +49,7 @@ async def detect_image(
     stored_pad = await run_in_threadpool(store.pads.get, pad)
     folder = await run_in_threadpool(store.folder.work_folder) if trace else None
     try:
-        job = analysis.Job(
+        job = detection.Job(
             image=await image.read(),
             source=file_name(image, "picture"),
             pad=stored_pad.content or "",
@@ -89,8 +89,8 @@ def get_detection_picture(
         Query(ge=1, le=100_000, description="At least so wide is enough; for thumbnails."),
     ] = None,
 ) -> FileResponse:
-    if width is not None and width <= analysis.THUMBNAIL_WIDTH_PX:
-        name = analysis.THUMBNAIL_PREFIX + name
+    if width is not None and width <= detection.THUMBNAIL_WIDTH_PX:
+        name = detection.THUMBNAIL_PREFIX + name
     path = shared.store.traces.picture(trace_id, name)
     return FileResponse(path, media_type="image/png", headers=_FOREVER)
 
@@ -108,7 +108,7 @@ def _keep(shared: Services, answer: dict[str, Any], folder: Path | None) -> Dete
         stage["thumbnail"] = _thumbnail(base + name) if name else None
     trace = {
         "id": trace_id,
-        "result_picture": base + analysis.RESULT_PICTURE,
+        "result_picture": base + detection.RESULT_PICTURE,
         "stages": stages,
     }
     kept = DetectionAnswer.model_validate({**answer, "trace": trace})

@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from padstudio.errors import StorageError, StudioError, full_disk
-from padstudio.flights.store_database import DatabaseFault, storage_error
+from padstudio.store.database.engine import DatabaseFault, storage_error
 from padstudio.web import pages
 from padstudio.web.headers import SECURITY_HEADERS
 

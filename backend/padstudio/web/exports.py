@@ -12,9 +12,9 @@ from fastapi import APIRouter, Depends, File, Query, UploadFile
 from fastapi.responses import StreamingResponse
 
 from padstudio.errors import BusyError, SpecError
-from padstudio.flights.exports.flight_source import FlightPictures, frame_camera
 from padstudio.flights.exports.forms import FORMS, export
 from padstudio.flights.exports.options import ExportOptions
+from padstudio.flights.exports.sources import FlightPictures, frame_camera
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
 from padstudio.pad import files as pad_files
 from padstudio.web.services import ERRORS, ItemId, Services, Shared, attachment, check_size

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from padstudio.flights.cluster.engine import EngineOptions
 from padstudio.flights.desk import FlightDesk
-from padstudio.flights.engine import EngineOptions
-from padstudio.flights.storage import Storage
-from padstudio.flights.store import Store
-from padstudio.flights.work import WorkLimits
+from padstudio.flights.tasks.from_rows import WorkLimits
+from padstudio.media.remote import Storage
+from padstudio.store.store import Store
 from padstudio.web.settings import Settings
 
 

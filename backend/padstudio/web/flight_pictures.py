@@ -14,13 +14,14 @@ from fastapi.responses import FileResponse, Response
 
 from padstudio import __version__
 from padstudio.errors import NotFoundError
-from padstudio.flights import analysis, pictures
-from padstudio.flights.pictures import Kind
-from padstudio.flights.store_files import remove
+from padstudio.flights.pictures import stages as pictures
+from padstudio.flights.pictures.stages import Kind
+from padstudio.store.database.data_folder import remove
 from padstudio.web.flight_schemas import FrameResult, FrameStages
 from padstudio.web.flights import FrameNumber
 from padstudio.web.schemas import StageInfo
 from padstudio.web.services import ERRORS, ItemId, Services, Shared
+from padstudio.workers import detection
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
@@ -87,8 +88,8 @@ async def get_frame_picture(
 ) -> Response:
     await run_in_threadpool(shared.flights.flights.get, flight_id)
     name = f"{channel}-{stage}.{kind}" if channel else f"{stage}.{kind}"
-    if width is not None and width <= analysis.THUMBNAIL_WIDTH_PX:
-        name = analysis.THUMBNAIL_PREFIX + name
+    if width is not None and width <= detection.THUMBNAIL_WIDTH_PX:
+        name = detection.THUMBNAIL_PREFIX + name
     # What is painted follows from these alone.
     identity = f"{__version__} {flight_id} {number} {name}"
     etag = f'"{hashlib.sha256(identity.encode()).hexdigest()[:32]}"'

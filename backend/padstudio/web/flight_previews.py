@@ -9,9 +9,9 @@ from fastapi import APIRouter, Query
 from fastapi.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from padstudio.flights.pictures import PictureJob
-from padstudio.flights.previews import preview
-from padstudio.flights.result_rows import Record
+from padstudio.flights.pictures.previews import preview
+from padstudio.flights.pictures.stages import PictureJob
+from padstudio.flights.results.rows import Record
 from padstudio.web.flights import FrameNumber
 from padstudio.web.services import ERRORS, ItemId, Services, Shared
 

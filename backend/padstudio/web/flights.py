@@ -12,10 +12,10 @@ from fastapi.concurrency import run_in_threadpool
 from sse_starlette import EventSourceResponse, ServerSentEvent
 
 from padstudio.errors import NotFoundError, SpecError
-from padstudio.flights.flight_tables import FlightRow
 from padstudio.flights.jobs import OPEN, FlightOrder
-from padstudio.flights.results import FrameFilter
-from padstudio.flights.store import Store
+from padstudio.flights.results.frames import FrameFilter
+from padstudio.store.database.flight_tables import FlightRow
+from padstudio.store.store import Store
 from padstudio.web.cameras import camera_name, camera_text
 from padstudio.web.flight_schemas import (
     Flight,

@@ -12,11 +12,10 @@ from fastapi import APIRouter, Depends, File, Query, Response, UploadFile
 from fastapi.concurrency import run_in_threadpool
 
 from padstudio.errors import LimitError
-from padstudio.flights import design
-from padstudio.flights.store import Stored
 from padstudio.pad.coding.search import bounds
 from padstudio.pad.coding.search.spec import FieldSpec
 from padstudio.pad.spec import MAX_CELLS
+from padstudio.store.store import Stored
 from padstudio.web.cameras import file_name
 from padstudio.web.schemas import (
     PadDetail,
@@ -28,6 +27,7 @@ from padstudio.web.schemas import (
 )
 from padstudio.web.schemas_pads import PadBounds, table_sizes
 from padstudio.web.services import ERRORS, ItemId, Services, Shared, check_size
+from padstudio.workers import pads as design
 
 router = APIRouter(prefix="/pads", tags=["pads"], responses=ERRORS)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from padstudio.errors import LimitError
-from padstudio.flights import images
+from padstudio.media import images
 from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel, Pad
 from padstudio.render import documents

@@ -9,14 +9,13 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
-from padstudio.flights import design
-from padstudio.flights.store_files import remove
 from padstudio.pad import files as pad_files
 from padstudio.pad.crosstalk import with_crosstalk
 from padstudio.pad.print_scale import with_measured_size
 from padstudio.pad.sheets.tiling import plan_sheets
 from padstudio.pad.spec import Pad
 from padstudio.render import documents
+from padstudio.store.database.data_folder import remove
 from padstudio.web import painting
 from padstudio.web.pads import pad_summary
 from padstudio.web.schemas import PadSummary
@@ -29,6 +28,7 @@ from padstudio.web.schemas_printing import (
     SheetsRequest,
 )
 from padstudio.web.services import ERRORS, ItemId, Services, Shared, attachment, check_size
+from padstudio.workers import pads as design
 
 router = APIRouter(tags=["printing"], responses=ERRORS)
 

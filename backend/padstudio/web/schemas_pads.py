@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from fastapi import Form
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.flights.design import TableSizes
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
+from padstudio.workers.pads import TableSizes
 
 
 class PadBounds(BaseModel):

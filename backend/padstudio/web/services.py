@@ -11,18 +11,18 @@ from urllib.parse import quote
 from fastapi import Depends, Path, Request
 
 from padstudio.errors import LimitError
-from padstudio.flights import analysis, design
 from padstudio.flights.desk import FlightDesk
-from padstudio.flights.store import Store
-from padstudio.flights.workers import WorkerPool
+from padstudio.store.store import Store
 from padstudio.vision import warm
 from padstudio.web.schemas import ErrorBody
 from padstudio.web.settings import Settings
 from padstudio.web.simulation_desk import SimulationDesk
 from padstudio.web.turns import Turns
+from padstudio.workers import detection, pads
+from padstudio.workers.pool import WorkerPool
 
 ResultT = TypeVar("ResultT")
-Analyze = Callable[[analysis.Job], dict[str, Any]]
+Analyze = Callable[[detection.Job], dict[str, Any]]
 
 _SMALL_PAD = {"rows": 10, "cols": 10, "ratio": 1}
 
@@ -38,7 +38,7 @@ class Services:
     pool : WorkerPool
     flights : FlightDesk
     analyze : callable
-        `padstudio.flights.analysis.analyze`, or what stands in for it.
+        `padstudio.workers.detection.analyze`, or what stands in for it.
     turns : Turns
         At uploads.
     simulations : SimulationDesk
@@ -61,7 +61,7 @@ class Services:
 
     def warm_up(self) -> None:
         """Start workers on a small pad, so that the first user does not wait for their imports."""
-        self.pool.submit(design.generate, _SMALL_PAD, 30.0, timeout_s=60.0)
+        self.pool.submit(pads.generate, _SMALL_PAD, 30.0, timeout_s=60.0)
         self.pool.submit(warm.warm_up, timeout_s=60.0)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from padstudio.errors import LimitError, NotFoundError, StudioError
-from padstudio.flights.store_files import new_id, remove
+from padstudio.store.database.data_folder import new_id, remove
 from padstudio.web.simulating_flight import STOP, frames_done
 
 MAX_OPEN = 10

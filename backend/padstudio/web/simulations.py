@@ -9,11 +9,11 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
 
 from padstudio.errors import ConflictError, LimitError, SpecError
-from padstudio.flights.store_files import remove
-from padstudio.flights.upload_local import upload_file
 from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.simulate.trajectories import VIDEO_KINDS
+from padstudio.store.database.data_folder import remove
+from padstudio.store.uploads.local import upload_file
 from padstudio.web import simulating_flight
 from padstudio.web.cameras import camera_text
 from padstudio.web.flight_schemas import NewFlight

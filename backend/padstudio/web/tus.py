@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from email.utils import format_datetime
 
 from padstudio.errors import StudioError
-from padstudio.flights.upload_files import CHECKSUMS, Checksum
-from padstudio.flights.upload_rows import Upload
+from padstudio.store.uploads.files import CHECKSUMS, Checksum
+from padstudio.store.uploads.rows import Upload
 
 VERSION = "1.0.0"
 EXTENSIONS = "creation,creation-with-upload,checksum,expiration,termination"

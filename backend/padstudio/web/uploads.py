@@ -11,10 +11,10 @@ from fastapi.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
 from padstudio.errors import ConflictError
-from padstudio.flights.content import ContentError
-from padstudio.flights.upload_files import Append
-from padstudio.flights.upload_rows import Upload
-from padstudio.flights.uploads import Uploads
+from padstudio.media.content import ContentError
+from padstudio.store.uploads.files import Append
+from padstudio.store.uploads.rows import Upload
+from padstudio.store.uploads.uploads import Uploads
 from padstudio.web import tus
 from padstudio.web.schemas import ErrorBody
 from padstudio.web.services import ERRORS, ItemId, Services, Shared

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from padstudio.errors import StudioError
-from padstudio.flights import images
-from padstudio.flights.exports.flight_source import to_jpeg
 from padstudio.flights.exports.options import Record
-from padstudio.flights.video_frames import read_frames
-from padstudio.flights.video_index import read_index
+from padstudio.flights.exports.sources import to_jpeg
+from padstudio.media import images
+from padstudio.media.video_frames import read_frames
+from padstudio.media.video_index import read_index
 
 
 class FilePictures:

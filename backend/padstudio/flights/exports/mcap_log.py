@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.flights import content
 from padstudio.flights.exports.byte_stream import ByteStream
 from padstudio.flights.exports.mcap_schemas import SCHEMAS
 from padstudio.flights.exports.options import ExportOptions, Record, pose_of, timed
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
+from padstudio.media import content
 
 Array = NDArray[np.float64]
 Message = dict[str, Any]

@@ -1,0 +1,70 @@
+"""Worker processes of this machine, lent to a cluster's scheduler."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from typing import Any
+
+from padstudio.errors import StudioError
+from padstudio.flights.cluster.engine import EngineOptions, security_of
+from padstudio.flights.cluster.task import configure
+
+_CONNECT_S = 30
+
+
+class ClusterError(StudioError):
+    """The scheduler cannot be reached."""
+
+    code = "no_scheduler"
+    exit_code = 2
+
+
+def lend_workers(options: EngineOptions, *, joined: Callable[[int], None]) -> None:
+    """Work for a scheduler until it ends or the process is interrupted.
+
+    Parameters
+    ----------
+    options : EngineOptions
+        With a scheduler.
+    joined : callable
+        Called with the number of processes once all have joined.
+
+    Raises
+    ------
+    ClusterError
+        If the scheduler cannot be reached, or does not take the certificate.
+    """
+    configure()
+    logging.getLogger("distributed").setLevel(logging.ERROR)
+    asyncio.run(_lend(options, joined))
+
+
+async def _lend(options: EngineOptions, joined: Callable[[int], None]) -> None:
+    nannies = [_nanny(options) for _ in range(options.workers)]
+    try:
+        try:
+            await asyncio.wait_for(asyncio.gather(*nannies), _CONNECT_S)
+        except (OSError, TimeoutError, RuntimeError) as error:
+            raise ClusterError(
+                f"no scheduler answers at {options.scheduler}: check the address, that dask "
+                f"scheduler runs there, and the certificates ({error or 'time is over'})"
+            ) from error
+        joined(len(nannies))
+        # Workers leave when the scheduler does; whoever keeps them running starts them again.
+        await asyncio.gather(*(nanny.finished() for nanny in nannies))
+    finally:
+        await asyncio.gather(*(nanny.close(timeout=5) for nanny in nannies), return_exceptions=True)
+
+
+def _nanny(options: EngineOptions) -> Any:
+    from distributed import Nanny
+
+    return Nanny(
+        options.scheduler,
+        nthreads=1,
+        memory_limit=options.worker_memory_bytes,
+        security=security_of(options),
+        dashboard=False,
+    )

@@ -1,0 +1,1 @@
+"""Pictures of a flight's frames: stages painted again, and previews."""

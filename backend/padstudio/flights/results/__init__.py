@@ -1,0 +1,1 @@
+"""What came of a flight, read from the database: frames, summaries, charts."""

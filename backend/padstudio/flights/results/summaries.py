@@ -1,0 +1,91 @@
+"""Figures over all frames of a flight: shares, the longest gap, counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session, sessionmaker
+
+from padstudio.flights.results.answer_cache import KeptAnswers
+from padstudio.flights.results.bins import counted, pose_gaps, read_bins
+from padstudio.store.database.flight_tables import FlightRow, FrameRow
+
+
+class Summaries:
+    """The figures of a database's flights; the last ones are kept.
+
+    Parameters
+    ----------
+    session : sessionmaker
+    """
+
+    def __init__(self, session: sessionmaker[Session]) -> None:
+        self._session = session
+        self._kept = KeptAnswers()
+
+    def of(self, flight: FlightRow) -> dict[str, Any]:
+        """Figures over all frames that have a result, JSON-serialisable.
+
+        Returns
+        -------
+        dict
+            ``frames``, ``ok``, ``share_ok``; ``longest_gap`` (first and last frame, frames without
+            a pose, seconds between the poses around them); ``stages``, ``reasons`` and ``layers``
+            (counts, highest first); ``damaged``: frames of which the decoder made up a part.
+        """
+
+        def find_out() -> dict[str, Any]:
+            with self._session() as session:
+                return _summary(session, flight)
+
+        return self._kept.of(flight, "summary", find_out)
+
+
+def _summary(session: Session, flight: FlightRow) -> dict[str, Any]:
+    bins = read_bins(session, flight)
+    frames, ok = sum(row.frames for row in bins), sum(row.ok for row in bins)
+    return {
+        "frames": frames,
+        "ok": ok,
+        "share_ok": ok / frames if frames else None,
+        "longest_gap": _longest_gap(session, flight, bins),
+        "damaged": sum(row.body["damaged"] for row in bins),
+        **{name: counted(bins, name) for name in ("stages", "reasons", "layers")},
+    }
+
+
+def _longest_gap(session: Session, flight: FlightRow, bins: Sequence[Any]) -> dict[str, Any] | None:
+    """The longest run of frames without a pose, and the seconds between the poses around it."""
+    if not bins:
+        return None
+    stride = flight.request["stride"]
+    ends = bins[0].first_frame, bins[-1].last_frame
+    # Poses thought of just before the first frame and just after the last one.
+    edges = ends[0] - stride, ends[1] + stride
+    gaps = [
+        (edges[0] if before is None else before, edges[1] if after is None else after)
+        for before, after in pose_gaps(bins)
+    ]
+    start, end = max(gaps, key=lambda gap: gap[1] - gap[0])
+    frames = (end - start) // stride - 1
+    if frames < 1:
+        return None
+    return {
+        "first_frame": start + stride,
+        "last_frame": end - stride,
+        "frames": frames,
+        "seconds": _seconds_between(session, flight.key, max(start, ends[0]), min(end, ends[1])),
+    }
+
+
+def _seconds_between(session: Session, flight: int, start: int, end: int) -> float | None:
+    found = session.execute(
+        select(FrameRow.number, FrameRow.time_s).where(
+            FrameRow.flight == flight, FrameRow.number.in_((start, end))
+        )
+    )
+    times = {row.number: row.time_s for row in found}
+    first, last = times.get(start), times.get(end)
+    return None if first is None or last is None else last - first

@@ -1,0 +1,246 @@
+"""The work on a flight as pure tasks: what to read and how goes in, results come out.
+
+A task runs on any machine that reaches the files it names; it knows nothing of the database or of
+where it runs.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+
+from padstudio.errors import ImageError, StudioError
+from padstudio.flights.cluster.stopping import TaskStoppedError
+from padstudio.flights.tasks.detectors import Recipe, detector_for
+from padstudio.media import images
+from padstudio.media.remote import read_bytes
+from padstudio.media.video_frames import VideoPicture, read_frames
+from padstudio.vision.detector import Detector
+from padstudio.vision.frame.yuv import YuvFrame
+from padstudio.vision.stage.detection import Detection, Image
+
+Record = dict[str, Any]
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class VideoPart:
+    """Frames of one video.
+
+    Attributes
+    ----------
+    url, name : str
+        Where it lies, and what people call it.
+    pts : bytes
+        Presentation timestamps of the frames, int64 little-endian, ascending.
+    start_pts : int
+        That of the video's first frame.
+    time_base_s : float
+        Unit of the timestamps.
+    start_s : float
+        Time of the video's first frame in the flight.
+    rotation_deg : int
+        Turn the pictures clockwise: 0, 90, 180 or 270.
+    is_counted : bool
+        As of `padstudio.media.video_index.VideoIndex`.
+    """
+
+    url: str
+    name: str
+    pts: bytes
+    start_pts: int
+    time_base_s: float
+    start_s: float
+    rotation_deg: int = 0
+    is_counted: bool = False
+
+    @property
+    def timestamps(self) -> list[int]:
+        """The presentation timestamps."""
+        return [int(value) for value in np.frombuffer(self.pts, "<i8")]
+
+    def read(self, max_pixels: int) -> Iterator[VideoPicture]:
+        """As `padstudio.media.video_frames.read_frames`."""
+        return read_frames(
+            self.url,
+            self.timestamps,
+            rotation_deg=self.rotation_deg,
+            is_counted=self.is_counted,
+            max_pixels=max_pixels,
+        )
+
+
+@dataclass(frozen=True)
+class StillPart:
+    """One still.
+
+    Attributes
+    ----------
+    url, name : str
+        Where the file lies, and what people call the still.
+    member : str or None
+        Its name within the zip that the file is.
+    """
+
+    url: str
+    name: str
+    member: str | None = None
+
+
+@dataclass(frozen=True)
+class FramesTask:
+    """Frames of a flight, to be detected.
+
+    Attributes
+    ----------
+    recipe : Recipe
+        Pad, camera and how to detect.
+    first_frame, stride : int
+        The frames' numbers in the flight are ``first_frame``, ``first_frame + stride``, …
+    part : VideoPart or tuple of StillPart
+    max_pixels : int
+    """
+
+    recipe: Recipe
+    first_frame: int
+    stride: int
+    part: VideoPart | tuple[StillPart, ...]
+    max_pixels: int
+
+    def run(self, stopped: Callable[[], bool]) -> list[Record]:
+        """Lines of a poses file, with ``covariance`` where there is a pose.
+
+        Parameters
+        ----------
+        stopped : callable
+            Asked before every frame; the task ends where it says so.
+
+        Raises
+        ------
+        TaskStoppedError
+        StudioError
+            If the file as a whole cannot be read.
+        """
+        # A worker is one process for one core.
+        cv2.setNumThreads(1)
+        detector = detector_for(self.recipe)
+        found = (
+            self._video(detector, self.part)
+            if isinstance(self.part, VideoPart)
+            else self._stills(detector, self.part)
+        )
+        records = []
+        for place, record in enumerate(found):
+            if stopped():
+                raise TaskStoppedError
+            records.append(record | {"frame": self.first_frame + place * self.stride})
+        return records
+
+    def _video(self, detector: Detector, part: VideoPart) -> Iterator[Record]:
+        for picture, found in _track(detector, part.read(self.max_pixels)):
+            record = found if isinstance(found, dict) else _record(found, part.name)
+            time_s = part.start_s + (picture.pts - part.start_pts) * part.time_base_s
+            record |= {"source": part.name, "time_s": time_s}
+            if picture.is_damaged:
+                record["damaged"] = True
+            yield record
+
+    def _stills(self, detector: Detector, parts: tuple[StillPart, ...]) -> Iterator[Record]:
+        for part in parts:
+            try:
+                image = read_still(part, self.max_pixels)
+                record = _record(detector.detect(image), part.name)
+            except StudioError as error:
+                record = _unread(error)
+            except Exception as error:
+                record = _defect(error)
+            yield record | {"source": part.name}
+
+
+def read_still(part: StillPart, max_pixels: int) -> Image:
+    """Decode a still of a flight; raises as `padstudio.media.images.decode`."""
+    if part.member is None:
+        data = read_bytes(part.url, images.MAX_BYTES)
+        if len(data) > images.MAX_BYTES:
+            raise ImageError(f"{part.name} is larger than {images.MAX_BYTES // 1_000_000} MB")
+    else:
+        from padstudio.media.zip_source import read_member
+
+        data = read_member(part.url, part.member)
+    return images.decode(data, max_pixels)
+
+
+def _track(
+    detector: Detector, pictures: Iterator[VideoPicture]
+) -> Iterator[tuple[VideoPicture, Detection | Record]]:
+    """Each picture with its detection, or with the record that says why there is none."""
+    waiting: deque[VideoPicture] = deque()
+
+    def frames() -> Iterable[Image | YuvFrame]:
+        for picture in pictures:
+            frame = picture.frame
+            waiting.append(VideoPicture(picture.pts, None, picture.is_damaged))
+            if frame is not None:
+                readable.append(picture.pts)
+                yield frame
+
+    readable: deque[int] = deque()
+    while True:
+        try:
+            for detection in detector.track(frames()):
+                yield from _lost_before(waiting, readable[0])
+                readable.popleft()
+                yield waiting.popleft(), detection
+        except StudioError as error:
+            failed: Record = _unread(error)
+        except Exception as error:
+            failed = _defect(error)
+        else:
+            yield from _lost_before(waiting, None)
+            return
+        if not readable:
+            # Reading itself failed, not the detection of a frame.
+            raise StudioError(failed["detail"], code=failed["reason"])
+        yield from _lost_before(waiting, readable.popleft())
+        yield waiting.popleft(), failed
+
+
+def _lost_before(
+    waiting: deque[VideoPicture], pts: int | None
+) -> Iterator[tuple[VideoPicture, Record]]:
+    while waiting and waiting[0].pts != pts:
+        yield waiting.popleft(), _LOST.copy()
+
+
+_LOST: Record = {
+    "status": "failed",
+    "stage": "read",
+    "reason": "frame_lost",
+    "detail": "the decoder gave no picture for this frame: its data are missing or damaged",
+    "advice": "copy the file from the camera again",
+    "elapsed_ms": {},
+}
+
+
+def _record(detection: Detection, source: str) -> Record:
+    record = detection.to_record(source)
+    if detection.uncertainty is not None:
+        upper = np.triu_indices(6)
+        record["covariance"] = detection.uncertainty.covariance[upper].tolist()
+    return record
+
+
+def _unread(error: StudioError) -> Record:
+    return _LOST | {"reason": error.error_code, "detail": error.message, "advice": ""}
+
+
+def _defect(error: Exception) -> Record:
+    logger.exception("a frame brought a defect to light", exc_info=error)
+    detail = f"a defect of the program: {error!r}"
+    return _LOST | {"reason": "internal_error", "detail": detail, "advice": ""}

@@ -1,0 +1,204 @@
+"""Looks into a flight's uploads and parts the work into chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.errors import CameraMismatchError, SpecError, StudioError
+from padstudio.geometry import camera_files
+from padstudio.media import telemetry
+from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
+from padstudio.media.zip_source import list_members
+
+# A chunk's first frame is looked for in the whole picture, which costs as much as several others.
+_LEAST_FRAMES = 30
+_LEAST_STRIDED_FRAMES = 10
+_SHORT_FLIGHT_CHUNKS = 8
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """An upload of a flight: ``kind`` as of `padstudio.media.content.Content`."""
+
+    upload: str
+    kind: str
+    name: str
+    url: str
+
+
+@dataclass(frozen=True)
+class ChunkPlan:
+    """A part of the work: frames of one video, or stills, as in `ChunkRow`."""
+
+    source: int
+    first_frame: int
+    frames: int
+    pts: bytes = b""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a flight's uploads hold, and the work on it.
+
+    Attributes
+    ----------
+    sources : list of dict
+        JSON-serialisable: upload, kind, name, url, first_frame, frames, start_s; of videos also
+        start_pts, time_base_s, rotation_deg and `VideoInfo`; of zips the members.
+    chunks : list of ChunkPlan
+    telemetry : dict or None
+        As `padstudio.media.telemetry.to_dict`.
+    """
+
+    sources: list[dict[str, Any]]
+    chunks: list[ChunkPlan]
+    telemetry: dict[str, Any] | None
+
+
+@dataclass(frozen=True)
+class PlanTask:
+    """The first task of a flight.
+
+    Attributes
+    ----------
+    files : tuple of SourceFile
+    camera : str
+        The content of a camera file.
+    first_frame, stride : int
+    end_frame : int or None
+        The first frame that is not worked on; None is the end.
+    chunk_frames : int
+        Frames that a chunk should hold.
+    apply_rotation : bool
+        Turn videos as their rotation flag says, unless the camera only fits them as stored.
+    max_pixels, max_frames : int
+    """
+
+    files: tuple[SourceFile, ...]
+    camera: str
+    first_frame: int
+    end_frame: int | None
+    stride: int
+    chunk_frames: int
+    apply_rotation: bool
+    max_pixels: int
+    max_frames: int
+
+    def run(self, stopped: Callable[[], bool]) -> Plan:
+        """Read the index of every file.
+
+        Raises
+        ------
+        StudioError
+            If a file cannot be read, does not fit the camera, or no frame is left to work on.
+        """
+        sources: list[dict[str, Any]] = []
+        indices: dict[int, VideoIndex] = {}
+        found: telemetry.Telemetry | None = None
+        frame, time_s = 0, 0.0
+        for file in self.files:
+            try:
+                if file.kind == "telemetry":
+                    found = telemetry.read(file.url)
+                    continue
+                entry, index = self._look(file)
+            except StudioError as error:
+                raise StudioError(
+                    f"{file.name}: {error.message}", code=error.error_code, detail=error.detail
+                ) from error
+            if index is not None:
+                indices[len(sources)] = index
+                found = found or telemetry.read_embedded(file.url)
+            sources.append(asdict(file) | {"first_frame": frame, "start_s": time_s} | entry)
+            frame += entry["frames"]
+            time_s += index.info.duration_s if index else 0.0
+        chunks = list(self._chunks(sources, indices, frame))
+        if not chunks:
+            raise SpecError(
+                f"no frame is left to work on: the uploads hold {frame} frames, and frames from "
+                f"{self.first_frame} on were asked for",
+                code="no_frames",
+            )
+        return Plan(sources, chunks, telemetry.to_dict(found) if found else None)
+
+    def _look(self, file: SourceFile) -> tuple[dict[str, Any], VideoIndex | None]:
+        if file.kind == "still":
+            return {"frames": 1}, None
+        if file.kind == "stills":
+            members = list_members(file.url)
+            return {"frames": len(members), "members": members}, None
+        index = read_index(file.url, max_pixels=self.max_pixels, max_frames=self.max_frames)
+        rotation = self._rotation(index.info)
+        return {
+            "frames": index.info.frames,
+            "start_pts": int(index.pts[0]),
+            "time_base_s": float(index.time_base),
+            "rotation_deg": rotation,
+            "is_counted": index.is_counted,
+            "video": asdict(index.info),
+        }, index
+
+    def _rotation(self, info: VideoInfo) -> int:
+        """By how much pictures are turned; the calibration is of what the camera fits.
+
+        Raises
+        ------
+        CameraMismatchError
+            If it fits neither the picture as shown nor as stored.
+        """
+        camera = camera_files.loads(self.camera)
+        if not self.apply_rotation or not info.rotation_deg:
+            camera.for_frame(info.width, info.height)
+            return 0
+        try:
+            camera.for_frame(*info.shown_size)
+        except CameraMismatchError as error:
+            try:
+                camera.for_frame(info.width, info.height)
+            except CameraMismatchError:
+                raise error from None
+            return 0
+        return info.rotation_deg
+
+    def _chunks(
+        self, sources: list[dict[str, Any]], indices: Mapping[int, VideoIndex], total: int
+    ) -> Iterator[ChunkPlan]:
+        # Short flights are parted too, so that all workers have something to do.
+        size = min(self.chunk_frames, max(_LEAST_FRAMES, total // _SHORT_FLIGHT_CHUNKS))
+        # Frames between those asked for are decoded as well.
+        video_size = min(size, max(_LEAST_STRIDED_FRAMES, size // self.stride))
+        end = total if self.end_frame is None else min(self.end_frame, total)
+        wanted = np.arange(self.first_frame, max(end, self.first_frame), self.stride)
+        stills: list[int] = []
+        for place, source in enumerate(sources):
+            first = source["first_frame"]
+            mine = wanted[(wanted >= first) & (wanted < first + source["frames"])]
+            if place not in indices:
+                stills += mine.tolist()
+                continue
+            for numbers in _by_keyframe(mine - first, indices[place].keyframes, video_size):
+                pts = indices[place].pts[numbers].astype("<i8").tobytes()
+                yield ChunkPlan(place, int(numbers[0]) + first, len(numbers), pts)
+        # Stills take longer than frames of a video, which are tracked.
+        size = max(1, size // 4)
+        for at in range(0, len(stills), size):
+            yield ChunkPlan(0, stills[at], len(stills[at : at + size]))
+
+
+def _by_keyframe(
+    numbers: NDArray[np.int64], keyframes: NDArray[np.int64], chunk_frames: int
+) -> Iterator[NDArray[np.int64]]:
+    """Runs of frame numbers that start where decoding can, each about `chunk_frames` long."""
+    group = np.searchsorted(keyframes, numbers, side="right")
+    start = 0
+    for place in np.flatnonzero(np.diff(group)) + 1:
+        if place - start >= chunk_frames:
+            yield numbers[start:place]
+            start = int(place)
+    if start < len(numbers):
+        yield numbers[start:]

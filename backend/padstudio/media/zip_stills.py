@@ -1,0 +1,178 @@
+"""Zips of stills: what may be in one, and its pictures by name.
+
+Nothing is ever unpacked to disk, so names in a zip cannot lead anywhere.
+"""
+
+from __future__ import annotations
+
+import lzma
+import stat
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from padstudio.errors import ImageError, LimitError
+from padstudio.media.content import ContentError
+from padstudio.media.sources import SUFFIXES, by_number
+
+_UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    OSError,
+    EOFError,
+    KeyError,
+    ValueError,
+    NotImplementedError,
+)
+# Generous for a directory's entry: 46 bytes, its name and its extra fields.
+_ENTRY_BYTES = 1000
+_TAIL_BYTES = 66_000
+
+
+@dataclass(frozen=True)
+class ZipLimits:
+    """How much a zip may hold.
+
+    Attributes
+    ----------
+    files : int
+        Entries of any kind.
+    unpacked_bytes : int
+        All of them together.
+    ratio : float
+        Unpacked over packed size, of any entry and of the whole.
+    still_bytes : int
+        One still, unpacked.
+    """
+
+    files: int = 20_000
+    unpacked_bytes: int = 64_000_000_000
+    ratio: float = 200.0
+    still_bytes: int = 256_000_000
+
+
+def list_stills(path: Path, limits: ZipLimits | None = None) -> list[str]:
+    """Names of the pictures in a zip, sorted with numbers by value.
+
+    What else is in it, such as notes or a system's own files, is passed over.
+
+    Parameters
+    ----------
+    path : Path
+    limits : ZipLimits or None
+
+    Raises
+    ------
+    ContentError
+        If it is no zip, damaged, encrypted, or holds no picture.
+    LimitError
+        If it is beyond a limit; nothing has been unpacked then.
+    """
+    limits = limits or ZipLimits()
+    _check_directory(path, limits)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = archive.infolist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
+        raise ContentError(
+            f"the zip is damaged ({error}); pack it again", code="damaged_zip"
+        ) from error
+    _check_size(entries, path.stat().st_size, limits)
+    stills = [entry for entry in entries if _is_still(entry)]
+    if not stills:
+        raise ContentError("the zip holds no picture; put stills into it", code="empty_zip")
+    for entry in stills:
+        _check_entry(entry, limits)
+    names = {entry.filename for entry in stills}
+    if len(names) < len(stills):
+        raise ContentError("two pictures in the zip have one name; rename one", code="damaged_zip")
+    return sorted(names, key=by_number)
+
+
+def read_still(path: Path, name: str, limits: ZipLimits | None = None) -> bytes:
+    """The file of one picture in a zip.
+
+    Raises
+    ------
+    ImageError
+        If it is damaged or not there.
+    LimitError
+        If it is beyond a limit.
+    """
+    limits = limits or ZipLimits()
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entry = archive.getinfo(name)
+            _check_entry(entry, limits)
+            # Reads no more than the size that was checked, whatever the stream holds.
+            return archive.read(entry)
+    except _UNREADABLE as error:
+        raise ImageError(
+            f"{name} cannot be read from the zip ({error}); pack it again", code="damaged_zip"
+        ) from error
+
+
+def _check_directory(path: Path, limits: ZipLimits) -> None:
+    """Refuse a directory too long to be read into memory (APPNOTE 6.3.10, 4.3.14 and 4.3.16)."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _TAIL_BYTES))
+        tail = file.read()
+    sizes = [0]
+    for signature, at, length in ((b"PK\x05\x06", 12, 4), (b"PK\x06\x06", 40, 8)):
+        place = tail.rfind(signature)
+        size = int.from_bytes(tail[place + at : place + at + length], "little")
+        # All ones: the longer record has it.
+        sizes += [size] if place >= 0 and size < 2 ** (8 * length) - 1 else []
+    if max(sizes) > limits.files * _ENTRY_BYTES:
+        raise LimitError(
+            f"the zip holds more than {limits.files} files, the limit: split it",
+            code="zip_too_many_files",
+        )
+
+
+def _check_size(entries: list[zipfile.ZipInfo], packed_bytes: int, limits: ZipLimits) -> None:
+    if len(entries) > limits.files:
+        raise LimitError(
+            f"the zip holds {len(entries)} files; the limit is {limits.files}: split it",
+            code="zip_too_many_files",
+        )
+    unpacked = sum(entry.file_size for entry in entries)
+    if unpacked > limits.unpacked_bytes:
+        raise LimitError(
+            f"the zip unpacks to {unpacked / 1e9:.1f} GB; the limit is "
+            f"{limits.unpacked_bytes / 1e9:g} GB: split it",
+            code="zip_too_large",
+        )
+    # Entries may share their data, so that each alone looks harmless.
+    if unpacked > limits.ratio * packed_bytes:
+        raise _bomb(unpacked / packed_bytes, limits)
+
+
+def _check_entry(entry: zipfile.ZipInfo, limits: ZipLimits) -> None:
+    if entry.flag_bits & 1:
+        raise ContentError("the zip is encrypted; pack it without a password", code="encrypted_zip")
+    if entry.file_size > limits.still_bytes:
+        raise LimitError(
+            f"{entry.filename} unpacks to {entry.file_size / 1e6:.0f} MB; the limit for a still is "
+            f"{limits.still_bytes / 1e6:g} MB",
+            code="zip_too_large",
+        )
+    if entry.file_size > limits.ratio * max(entry.compress_size, 1):
+        raise _bomb(entry.file_size / max(entry.compress_size, 1), limits)
+
+
+def _bomb(ratio: float, limits: ZipLimits) -> LimitError:
+    return LimitError(
+        f"the zip unpacks to {ratio:.0f} times its size, which pictures do not; the limit is "
+        f"{limits.ratio:g}",
+        code="zip_bomb",
+    )
+
+
+def _is_still(entry: zipfile.ZipInfo) -> bool:
+    path = Path(entry.filename)
+    hidden = path.name.startswith(".") or "__MACOSX" in path.parts
+    link = stat.S_ISLNK(entry.external_attr >> 16)
+    return path.suffix.lower() in SUFFIXES and not (entry.is_dir() or hidden or link)

@@ -1,0 +1,1 @@
+"""Tables, the engine behind them, and the data folder that they describe."""

@@ -1,0 +1,158 @@
+"""Opens the database, brings its tables to this version of the program, gives sessions."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import URL, Connection, Engine, create_engine, event, inspect, make_url, text
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+from sqlalchemy.orm import Session, sessionmaker
+
+from padstudio.errors import BusyError, StorageError
+
+#: What the database raises.
+DatabaseFault = SQLAlchemyError
+#: The last of the revisions in `padstudio.store.migrations`.
+NEWEST_REVISION = "0004"
+# Alembic keeps its context in a module of its own: one migration at a time in a process.
+_migrating = threading.Lock()
+_MIGRATIONS = Path(__file__).parent / "migrations"
+_WRITING = {"padstudio_writing": True}
+
+
+class Sessions(sessionmaker[Session]):
+    """Sessions of a database: those of `begin` are for writing, those of a call for reading.
+
+    SQLite has one writer at a time. A transaction that begins by reading and then writes is
+    refused at once where another has written in between, however long it would wait; so writers
+    take the lock when they begin, and threads of this process queue for it.
+
+    Parameters
+    ----------
+    engine : Engine
+        As of `open_database`.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        super().__init__(engine, expire_on_commit=False)
+        self._writing = engine.execution_options(**_WRITING)
+        one_writer = engine.dialect.name == "sqlite"
+        self._turn = threading.Lock() if one_writer else contextlib.nullcontext()
+
+    @contextlib.contextmanager
+    def begin(self) -> Iterator[Session]:
+        """A session in a transaction, which is committed at the end."""
+        with self._turn, self(bind=self._writing) as session, session.begin():
+            yield session
+
+
+def open_database(url: str) -> Engine:
+    """Connect to a database and migrate it.
+
+    Parameters
+    ----------
+    url : str
+        SQLAlchemy URL; ``postgresql://`` takes psycopg.
+
+    Raises
+    ------
+    StorageError
+        If it cannot be opened, or was written by a later version of the program.
+    """
+    try:
+        address = _with_driver(make_url(url))
+        # A database server may have been restarted since a connection was last used.
+        engine = create_engine(address, pool_pre_ping=address.get_backend_name() != "sqlite")
+    except ModuleNotFoundError as error:
+        raise StorageError(
+            f"the database needs a further package ({error}): pip install padstudio[postgresql]"
+        ) from error
+    except (SQLAlchemyError, ImportError) as error:
+        raise StorageError(f"the database URL cannot be used: {error}") from error
+    if engine.dialect.name == "sqlite":
+        event.listen(engine, "connect", _prepare_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+    try:
+        _migrate(engine)
+    except SQLAlchemyError as error:
+        engine.dispose()
+        raise StorageError(f"cannot open the database: {error}") from error
+    return engine
+
+
+def storage_error(error: SQLAlchemyError) -> StorageError | BusyError:
+    """What a fault of the database means for who asked: a full disk, one that is away, others.
+
+    Parameters
+    ----------
+    error : SQLAlchemyError
+    """
+    cause = str(error.__cause__ or error)
+    if any(sign in cause.lower() for sign in ("disk is full", "disk full", "no space left")):
+        return StorageError(
+            "the disk that holds the database is full; make room and try again", code="disk_full"
+        )
+    if isinstance(error, OperationalError | PoolTimeoutError):
+        return BusyError(
+            f"the database does not answer: {cause}; try again in a moment", code="database_busy"
+        )
+    return StorageError(f"the database refused to store or to read: {cause}")
+
+
+def _with_driver(url: URL) -> URL:
+    """A URL that names no driver for PostgreSQL gets the one that we depend on."""
+    plain = url.drivername in ("postgresql", "postgres")
+    return url.set(drivername="postgresql+psycopg") if plain else url
+
+
+def _prepare_sqlite(connection: Any, _record: object) -> None:
+    """Readers beside one writer, and a wait instead of an error where two write."""
+    # Transactions begin where `_begin_sqlite` says, and not at the driver's first guess.
+    connection.isolation_level = None
+    cursor = connection.cursor()
+    # First, as the change of the journal may have to wait as well.
+    cursor.execute("PRAGMA busy_timeout=30000")
+    cursor.execute("PRAGMA journal_mode=WAL")
+    cursor.execute("PRAGMA synchronous=NORMAL")
+    cursor.execute("PRAGMA foreign_keys=ON")
+    cursor.close()
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    writing = connection.get_execution_options().keys() & _WRITING.keys()
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writing else "BEGIN")
+
+
+def _migrate(engine: Engine) -> None:
+    if _revision(engine) == NEWEST_REVISION:
+        return
+    # Alembic takes most of a second to import; most starts do without.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.util import CommandError
+
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
+    with _migrating, engine.execution_options(**_WRITING).begin() as connection:
+        config.attributes["connection"] = connection
+        try:
+            command.upgrade(config, "head")
+        except CommandError as error:
+            raise StorageError(
+                "the database was written by a later version of Pad Studio; update the program, "
+                f"or choose another data folder ({error})"
+            ) from error
+
+
+def _revision(engine: Engine) -> str | None:
+    """The revision that a database is at; None for a new one."""
+    if not inspect(engine).has_table("alembic_version"):
+        return None
+    with engine.connect() as connection:
+        found: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
+        return found

@@ -1,0 +1,1 @@
+"""Uploads: their rows, their files, their limits."""

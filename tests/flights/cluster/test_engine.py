@@ -1,0 +1,148 @@
+"""Dask's workers: values, errors, deaths, stops; started here, and lent to a scheduler by TLS."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import cluster_processes
+import engine_jobs
+import psutil
+import pytest
+
+from padstudio.errors import SpecError
+from padstudio.flights.cluster.engine import Engine, EngineOptions
+from padstudio.flights.cluster.task import Outcome, Task
+
+HERE = Path(__file__).parent
+
+
+class Desk:
+    """An engine and what its tasks ended with."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        self._ended: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
+        self._count = 0
+
+    def submit(self, task: Task) -> str:
+        self._count += 1
+        key = f"task-{id(self)}-{self._count}"
+        self.engine.submit(key, task, self._ended.put)
+        return key
+
+    def next(self) -> Outcome:
+        return self._ended.get(timeout=90)
+
+    def run(self, task: Task) -> Outcome:
+        self.submit(task)
+        return self.next()
+
+
+@pytest.fixture(scope="module")
+def desk() -> Iterator[Desk]:
+    with importable(HERE):
+        engine = Engine(EngineOptions(workers=1, worker_memory_bytes=1_000_000_000))
+        yield Desk(engine)
+        engine.close()
+
+
+@contextlib.contextmanager
+def importable(folder: Path) -> Iterator[None]:
+    """Lets workers import the tests' own modules."""
+    before = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = str(folder)
+    try:
+        yield
+    finally:
+        os.environ.pop("PYTHONPATH")
+        if before is not None:
+            os.environ["PYTHONPATH"] = before
+
+
+def test_a_value_comes_from_another_process(desk: Desk) -> None:
+    outcome = desk.run(engine_jobs.Say(5))
+    assert outcome.kind == "value"
+    assert outcome.value[0] == 5
+    assert outcome.value[1] != os.getpid()
+    assert desk.engine.worker_pids() == [outcome.value[1]]
+    assert desk.engine.capacity == 1
+
+
+def test_workers_here_leave_the_server_the_first_turn(desk: Desk) -> None:
+    server = psutil.Process().nice()
+    for pid in desk.engine.worker_pids():
+        assert psutil.Process(pid).nice() == max(10, server)
+
+
+def test_refusals_keep_code_and_detail(desk: Desk) -> None:
+    outcome = desk.run(engine_jobs.Refuse())
+    assert outcome.kind == "refused"
+    assert outcome.error == {"code": "no_way", "message": "no way on", "detail": {"place": 3}}
+
+
+def test_a_defect_is_named(desk: Desk) -> None:
+    outcome = desk.run(engine_jobs.Break())
+    assert outcome.kind == "crashed"
+    assert outcome.error is not None
+    assert outcome.error["code"] == "internal_error"
+    assert "ZeroDivisionError" in outcome.error["message"]
+
+
+def test_a_worker_that_cannot_read_its_task_says_so_and_lives(desk: Desk) -> None:
+    workers = desk.engine.worker_pids()
+    outcome = desk.run(engine_jobs.Foreign())
+    assert outcome.kind == "refused"
+    assert outcome.error is not None
+    assert outcome.error["code"] == "worker_differs"
+    assert "same version" in outcome.error["message"]
+    assert desk.engine.worker_pids() == workers
+
+
+def test_a_death_is_told_and_another_worker_goes_on(desk: Desk) -> None:
+    outcome = desk.run(engine_jobs.Die())
+    assert outcome.kind == "crashed"
+    assert outcome.error is not None
+    assert outcome.error["code"] == "worker_crashed"
+    assert desk.run(engine_jobs.Say(1)).value[0] == 1
+
+
+def test_stop_reaches_running_and_waiting_tasks(desk: Desk, tmp_path: Path) -> None:
+    running = desk.submit(engine_jobs.WaitForStop(tmp_path))
+    waiting = desk.submit(engine_jobs.Say(2))
+    cluster_processes.wait_for(tmp_path / "running")
+    desk.engine.stop(waiting)
+    assert desk.next().kind == "lost"
+    desk.engine.stop(running)
+    assert desk.next().kind == "lost"
+    cluster_processes.wait_for(tmp_path / "stopped")
+    assert desk.run(engine_jobs.Say(3)).value[0] == 3
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:8786", "127.0.0.1:8786", "ws://a:1"])
+def test_addresses_without_encryption_are_refused(address: str) -> None:
+    with pytest.raises(SpecError, match="not encrypted") as caught:
+        EngineOptions(scheduler=address)
+    assert caught.value.error_code == "invalid_setting"
+
+
+@pytest.mark.parametrize("worker", [cluster_processes.worker, cluster_processes.plain_worker])
+def test_workers_join_a_scheduler(worker: Callable[..., Any], tmp_path: Path) -> None:
+    tls = cluster_processes.certificates(tmp_path)
+    with cluster_processes.scheduler(tls, tmp_path) as (_, address), importable(HERE):
+        options = EngineOptions(
+            scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
+        )
+        with contextlib.closing(Engine(options)) as engine:
+            assert engine.capacity == 1
+            assert "no worker is connected" in str(engine.tend())
+            with worker(tls, address) as process:
+                outcome = Desk(engine).run(engine_jobs.Say(8))
+                assert outcome.kind == "value"
+                assert outcome.value[0] == 8
+                assert outcome.value[1] not in (os.getpid(), process.pid)
+                assert engine.tend() is None

@@ -1,0 +1,118 @@
+"""Telemetry in every form that DJI cameras are known to write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import videos
+
+from padstudio.media import telemetry
+from padstudio.media.telemetry import Sample, TelemetryError, parse_srt
+
+CUE = "1\n00:00:01,500 --> 00:00:01,533\n"
+
+FORMS = {
+    "mini 3": (
+        '<font size="28">FrameCnt: 46, DiffTime: 33ms\n2023-06-01 12:00:00.123\n'
+        "[iso: 100] [shutter: 1/1000.0] [fnum: 2.8] [ev: 0] [color_md : default] "
+        "[focal_len: 24.00] [latitude: 22.5421] [longitude: 113.9572] "
+        "[rel_alt: 1.300 abs_alt: 65.236] [ct: 5500] </font>",
+        Sample(1.5, 46, 1.3, 65.236, 22.5421, 113.9572, "2023-06-01 12:00:00.123"),
+    ),
+    "mavic 2": (
+        '<font size="36">SrtCnt : 46, DiffTime : 33ms\n2019-09-25 01:21:51,118,697\n'
+        "[iso : 110] [shutter : 1/200.0] [fnum : 280] [latitude : 60.608553] "
+        "[longtitude : -1.963763] [altitude: 1927.799987] </font>",
+        Sample(1.5, 46, None, 1927.799987, 60.608553, -1.963763, "2019-09-25 01:21:51,118"),
+    ),
+    "mini 2": (
+        "F/2.8, SS 206.14, ISO 150, EV 0, GPS (-122.3699, 37.8166, 15), D 224.21m, H 6.00m, "
+        "H.S 5.10m/s, V.S -0.20m/s",
+        Sample(1.5, None, 6.0, None, 37.8166, -122.3699),
+    ),
+    "phantom 4 rtk": (
+        "F/3.2, SS 1000, ISO 100, EV 0, GPS (8.6499, 53.2665, 15), D 1.97m, H -1.20m, "
+        "F.PRY (1.9°, -3.7°, 10.1°), G.PRY (-15.2°, 0.0°, 10.4°)",
+        Sample(1.5, None, -1.2, None, 53.2665, 8.6499),
+    ),
+    "mavic pro": (
+        "HOME(149.0251,-20.2532) 2017.08.05 14:11:51\nGPS(149.0251,-20.2533,16) BAROMETER:1.9\n"
+        "ISO:100 Shutter:60 EV: Fnum:2.2",
+        Sample(1.5, None, 1.9, None, -20.2533, 149.0251, "2017.08.05 14:11:51"),
+    ),
+    "phantom 3": (
+        "HOME(W: 96.123, N: 43.001) 2015-11-02 10:20:30\nGPS(W: 96.125, N: 43.002, 715.94m) "
+        "Hb: 2.4 Hs: 2.0",
+        Sample(1.5, None, 2.4, 715.94, 43.002, -96.125, "2015-11-02 10:20:30"),
+    ),
+    "no fix": (
+        "[latitude: 0.000000] [longitude: 0.000000] [rel_alt: 3.100 abs_alt: 3.1]",
+        Sample(1.5, None, 3.1, 3.1),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_forms(name: str) -> None:
+    text, expected = FORMS[name]
+    found = parse_srt(CUE + text + "\n\n")
+    assert found.samples == (expected,)
+    assert found.unread == 0
+
+
+def test_a_file_of_many_subtitles_in_windows_lines() -> None:
+    cues = [
+        f"{n + 1}\r\n00:00:{n // 10:02},{n % 10}00 --> 00:00:09,000\r\n"
+        f"[rel_alt: {n}.0 abs_alt: 5]\r\n\r\n"
+        for n in range(30)
+    ]
+    found = parse_srt("".join(cues))
+    assert [sample.time_s for sample in found.samples] == pytest.approx([n / 10 for n in range(30)])
+    assert [sample.height_m for sample in found.samples] == [float(n) for n in range(30)]
+
+
+def test_subtitles_of_other_forms_are_counted() -> None:
+    found = parse_srt(CUE + "hello\n\n2\n00:00:02,000 --> 00:00:03,000\nH 4.0m\n")
+    assert (len(found.samples), found.unread) == (1, 1)
+
+
+@pytest.mark.parametrize("text", ["", "a text", CUE + "Never gonna give you up\n"])
+def test_what_is_no_telemetry_is_refused(text: str) -> None:
+    with pytest.raises(TelemetryError) as caught:
+        parse_srt(text)
+    assert caught.value.error_code == "invalid_telemetry"
+
+
+def test_files_are_read_whatever_their_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "a.srt"
+    path.write_bytes(b"\xef\xbb\xbf" + CUE.encode() + "H 2.0m, 10°".encode("latin-1"))
+    assert telemetry.read(str(path)).samples == (Sample(1.5, height_m=2.0),)
+
+
+def test_heights_between_samples() -> None:
+    columns = telemetry.to_dict(
+        telemetry.Telemetry((Sample(1.0, height_m=10.0), Sample(2.0), Sample(3.0, height_m=14.0)))
+    )
+    assert telemetry.height_at(columns, [0.5, 1.0, 2.5, 3.0, 3.1]) == [None, 10, 13, 14, None]
+    at_sea = (Sample(1.0, altitude_m=410.0), Sample(3.0, altitude_m=414.0))
+    columns = telemetry.to_dict(telemetry.Telemetry(at_sea))
+    assert telemetry.height_at(columns, [2.0, 4.0]) == [412, None]
+    empty = telemetry.to_dict(telemetry.Telemetry((Sample(1.0),)))
+    assert telemetry.height_at(empty, [1.0]) == [None]
+
+
+@pytest.mark.parametrize(("name", "codec"), [("a.mp4", "mov_text"), ("a.mkv", "subrip")])
+def test_telemetry_inside_a_video(name: str, codec: str, tmp_path: Path) -> None:
+    path = videos.write_with_subtitles(
+        tmp_path / name, codec, [f"[rel_alt: {n}.5 abs_alt: 40.0]" for n in range(10)]
+    )
+    found = telemetry.read_embedded(str(path))
+    assert found is not None
+    assert [sample.height_m for sample in found.samples] == [n + 0.5 for n in range(10)]
+    times = [sample.time_s for sample in found.samples]
+    assert times == pytest.approx([n / 25 for n in range(10)])
+
+
+def test_a_video_without_telemetry(tmp_path: Path) -> None:
+    assert telemetry.read_embedded(str(videos.write(tmp_path / "a.mp4", 2))) is None
