@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import typer.main
 
-from padstudio.cli import app
+from padstudio.cli.program import app
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad import files
 from padstudio.pad.spec import Layer, Pad

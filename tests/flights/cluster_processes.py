@@ -13,7 +13,7 @@ from typing import Any
 
 from distributed.security import Security
 
-PROGRAM = "from padstudio.cli import main; main()"
+PROGRAM = "from padstudio.cli.program import main; main()"
 PATIENCE_S = 60
 
 

@@ -14,7 +14,7 @@ import httpx
 import uvicorn
 
 from padstudio.web.app import create_app
-from padstudio.web.settings import Settings
+from padstudio.web.server.settings import Settings
 
 SMALL_SPEC = {"name": "small", "rows": 12, "cols": 10, "ratio": 2, "seed": 7}
 #: Read in milliseconds, while generating one costs a new worker its compiled loops.

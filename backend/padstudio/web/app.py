@@ -18,11 +18,10 @@ from padstudio.errors import SpecError
 from padstudio.media.zip_stills import ZipLimits
 from padstudio.store.store import Store
 from padstudio.store.uploads.limits import UploadLimits
-from padstudio.web import (
+from padstudio.web.api import (
     cameras,
     coverage,
     detect,
-    errors,
     exports,
     flight_figures,
     flight_pictures,
@@ -30,17 +29,18 @@ from padstudio.web import (
     flights,
     health,
     pads,
-    pages,
     printing,
     samples,
     simulate,
     simulations,
     uploads,
 )
-from padstudio.web.flight_desk import open_desk
-from padstudio.web.security import Guard
-from padstudio.web.services import Analyze, Services
-from padstudio.web.settings import Settings, load_settings
+from padstudio.web.http import errors
+from padstudio.web.http.security import Guard
+from padstudio.web.pages import pages
+from padstudio.web.server.flight_desk import open_desk
+from padstudio.web.server.services import Analyze, Services
+from padstudio.web.server.settings import Settings, load_settings
 from padstudio.workers import detection
 from padstudio.workers.pool import WorkerPool
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from padstudio.errors import StudioError
-from padstudio.web.settings import Settings, load_settings
+from padstudio.web.server.settings import Settings, load_settings
 
 # Open requests get this long to finish after Ctrl-C.
 _GRACE_S = 5

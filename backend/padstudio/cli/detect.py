@@ -1,0 +1,213 @@
+"""``padstudio detect``: poses of stills and videos, as JSON lines; ``padstudio cameras``."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import statistics
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from padstudio.cli.support import (
+    check_output,
+    load_camera,
+    load_pad,
+    note,
+    progress_bar,
+    show_error,
+)
+
+if TYPE_CHECKING:
+    from padstudio.flights.tasks.detectors import Recipe
+
+Figures = dict[str, Any]
+
+EXIT_NOTHING_FOUND = 1
+# Below this many frames a process, starting it costs more than it saves.
+_FRAMES_PER_JOB = 4
+
+_EXAMPLES = (
+    "Examples: [bold]padstudio detect --pad pad.json --camera camera.yaml frames/ flight.mp4 "
+    "-o poses.jsonl --resume[/]"
+    " · [bold]padstudio detect --pad pad.json --camera preset-dji-mini-27k 'flight/**/*.jpg' -o - "
+    "| jq .position_mm[/]"
+)
+
+
+Frames = Annotated[
+    list[str], typer.Argument(help="Pictures, videos, folders, or patterns such as **/*.jpg.")
+]
+PadFile = Annotated[Path, typer.Option(help="Pad file.")]
+CameraName = Annotated[
+    str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
+]
+Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
+MethodName = Annotated[
+    Literal["dense", "paper"],
+    typer.Option(help="dense: all that is in the picture; paper: the published method."),
+]
+Unmix = Annotated[
+    bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
+]
+Jobs = Annotated[
+    int,
+    typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
+]
+Stride = Annotated[int, typer.Option(min=1, help="Read every n-th frame of videos.")]
+Rotation = Annotated[bool, typer.Option(help="Turn videos as their rotation flag says.")]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on with an existing file: read what it lacks.")
+]
+Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the program."""
+    app.command(epilog=_EXAMPLES)(detect)
+    app.command()(cameras)
+
+
+def detect(
+    frames: Frames,
+    pad: PadFile,
+    camera: CameraName,
+    output: Output = "-",
+    method: MethodName = "dense",
+    unmix: Unmix = True,
+    jobs: Jobs = 0,
+    stride: Stride = 1,
+    apply_rotation: Rotation = True,
+    resume: Resume = False,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the pad in frames and write their poses, one JSON object a line.
+
+    A frame that cannot be read is one line with status failed, and one on stderr; the others go on.
+    A run that was broken off goes on with --resume and the same arguments. EXIF orientation of
+    stills is not applied, as calibrations are of the sensor's own frame.
+
+    The exit code is 0 if at least one frame gave a pose, 1 if none did, 2 for wrong input.
+    """
+    from padstudio.flights import batch
+    from padstudio.media.sources import find_frames
+
+    if not os.environ.get("PADSTUDIO_DEBUG"):
+        # A defect is one line like other errors; its traceback is for who looks for it.
+        logging.getLogger("padstudio").setLevel(logging.CRITICAL)
+    recipe = _recipe(pad, camera, method, unmix)
+    paths = find_frames(frames)
+    with _writer(output, resume=resume, force=force) as (file, earlier), progress_bar() as progress:
+        pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
+        total = sum(len(piece.numbers) for piece in pieces)
+        outcomes = list(earlier.values())
+        task = progress.add_task("Detecting", total=total, completed=len(outcomes))
+        for record in batch.detect(pieces, jobs=_jobs(jobs, total, len(pieces)), done=earlier):
+            outcomes.append(_write(record, file))
+            progress.advance(task)
+    if not quiet:
+        _show_summary(outcomes)
+    if not any(figures["ok"] for figures in outcomes):
+        raise typer.Exit(EXIT_NOTHING_FOUND)
+
+
+def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
+    from padstudio.flights.tasks.detectors import Recipe
+    from padstudio.geometry import camera_files
+    from padstudio.pad import files as pad_files
+
+    the_camera = load_camera(camera)
+    if the_camera.nominal:
+        note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
+    content = pad_files.dumps(load_pad(pad))
+    params = json.dumps({"prepare": {"unmix": unmix}})
+    return Recipe(content, camera_files.to_ros_yaml(the_camera), method, params)
+
+
+def _write(record: dict[str, Any], file: IO[str]) -> Figures:
+    file.write(json.dumps(record, ensure_ascii=False) + "\n")
+    file.flush()
+    if record.get("stage") == "read":
+        show_error(f"{record['source']}: {record['detail']}", record["reason"])
+    return _figures(record)
+
+
+def _jobs(asked: int, frames: int, pieces: int) -> int:
+    return asked or max(1, min(os.cpu_count() or 1, frames // _FRAMES_PER_JOB, pieces))
+
+
+@contextmanager
+def _writer(
+    output: str, *, resume: bool, force: bool
+) -> Iterator[tuple[IO[str], dict[tuple[str, int], Figures]]]:
+    """The file to write to, and the figures of the frames that it holds already."""
+    if resume and (output == "-" or force):
+        raise typer.BadParameter("--resume goes on with the file of -o; it excludes --force")
+    if output == "-":
+        yield sys.stdout, {}
+        return
+    path = Path(output)
+    earlier: dict[tuple[str, int], Figures] = {}
+    if resume and path.exists():
+        earlier = _earlier(path)
+    else:
+        check_output(path, force=force)
+    with path.open("a" if earlier else "w", encoding="utf-8") as file:
+        yield file, earlier
+
+
+def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
+    """What a poses file holds; a last line that was cut off is cut away."""
+    from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
+
+    cut_unfinished_line(path)
+    return {(record["source"], record["frame"]): _figures(record) for record in read_poses(path)}
+
+
+def _figures(record: dict[str, Any]) -> Figures:
+    """What the summary needs of a record, so that a long run does not keep them all."""
+    ok = record["status"] == "ok"
+    outcome = f"pose by {record.get('layer')}" if ok else f"failed at {record['stage']}"
+    why = "" if ok else record["reason"]
+    elapsed_ms = record.get("elapsed_ms") or {}
+    return {"ok": ok, "outcome": (outcome, why), "ms": elapsed_ms.get("total")}
+
+
+def _show_summary(records: list[Figures]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("outcome", "reason", "frames", "share")
+    table.columns[2].justify = table.columns[3].justify = "right"
+    counts = Counter(figures["outcome"] for figures in records)
+    for (outcome, why), count in sorted(counts.items(), key=lambda item: (-item[1], item[0])):
+        table.add_row(outcome, why, str(count), f"{100 * count / len(records):.1f} %")
+    times = [figures["ms"] for figures in records if figures["ms"] is not None]
+    if times:
+        table.caption = f"median {statistics.median(times):.0f} ms a frame, picture decoded"
+    Console(stderr=True).print(table)
+
+
+def cameras() -> None:
+    """List the nominal cameras that --camera takes in place of a file."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from padstudio.geometry import presets
+
+    table = Table("camera", "size", "focal length", caption=presets.NOTE)
+    # Never shortened, as it is there to be copied.
+    table.add_column("id", no_wrap=True, min_width=max(map(len, presets.PRESETS)))
+    for preset in presets.PRESETS.values():
+        camera = preset.camera
+        size = f"{camera.width} x {camera.height}"
+        table.add_row(camera.name, size, f"{camera.focal_px:.0f} px", preset.id)
+    Console().print(table)

@@ -1,0 +1,106 @@
+"""``padstudio export``: a poses file in other programs' forms."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from padstudio.cli.support import check_output, load_camera, load_pad, note
+
+if TYPE_CHECKING:
+    from padstudio.flights.exports.vehicle import VehicleTrack
+
+_EXAMPLES = (
+    "Examples: [bold]padstudio export poses.jsonl --form tum -o flight.tum.txt[/] · "
+    "[bold]padstudio export poses.jsonl --form mcap --camera camera.yaml --pad pad.json --images "
+    "-o flight.mcap[/]"
+)
+
+PosesFile = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
+FormName = Annotated[
+    Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"],
+    typer.Option(help="The form to write."),
+]
+Output = Annotated[str, typer.Option("-o", "--output", help="File to write; - is stdout.")]
+CameraName = Annotated[
+    str | None,
+    typer.Option(help="Camera file or a preset's id, of the frames; for colmap and mcap."),
+]
+PadFile = Annotated[
+    Path | None, typer.Option(help="Pad file; its size is drawn in mcap and said in MAVLink.")
+]
+Images = Annotated[
+    bool, typer.Option("--images", help="Put the frames into mcap; sources must be there.")
+]
+Start = Annotated[float, typer.Option(min=0, help="Unix time of the flight's time 0, s.")]
+Vehicle = Annotated[
+    Path | None, typer.Option(help="Poses of the vehicle for px4, CSV; see docs/exports.md.")
+]
+Turned = Annotated[
+    float, typer.Option(help="Of MAVLink: camera turned clockwise; at 0 its up is forward.")
+]
+Forward = Annotated[float, typer.Option(help="Camera ahead of the vehicle's centre.")]
+Right = Annotated[float, typer.Option(help="Camera to the right of it.")]
+Down = Annotated[float, typer.Option(help="Camera below it.")]
+Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command(epilog=_EXAMPLES)(export)
+
+
+def export(
+    poses: PosesFile,
+    form: FormName,
+    output: Output = "-",
+    camera: CameraName = None,
+    pad: PadFile = None,
+    images: Images = False,
+    start_unix_s: Start = 0.0,
+    vehicle: Vehicle = None,
+    turned_deg: Turned = 0.0,
+    forward_m: Forward = 0.0,
+    right_m: Right = 0.0,
+    down_m: Down = 0.0,
+    force: Force = False,
+) -> None:
+    """Write a poses file in the form of another program."""
+    import numpy as np
+
+    from padstudio.flights.exports import forms
+    from padstudio.flights.exports.file_pictures import FilePictures
+    from padstudio.flights.exports.options import ExportOptions
+    from padstudio.flights.exports.vehicle import Mount
+    from padstudio.flights.results.poses_file import read_poses
+
+    options = ExportOptions(
+        camera=None if camera is None else load_camera(camera),
+        pad_size_mm=None if pad is None else load_pad(pad).size_mm,
+        picture=FilePictures(Path()) if images else None,
+        start_unix_s=start_unix_s,
+        mount=Mount.downward(turned_deg, np.array([forward_m, right_m, down_m])),
+        vehicle=None if vehicle is None else _track(vehicle),
+    )
+    # Read once in advance, so that a fault in the last line leaves no file behind.
+    count = sum(1 for _ in read_poses(poses))
+    blocks = forms.export(form, read_poses(poses), options)
+    if output == "-":
+        for block in blocks:
+            sys.stdout.buffer.write(block)
+        return
+    path = Path(output)
+    check_output(path, force=force)
+    with path.open("wb") as file:
+        file.writelines(blocks)
+    note(f"{path}: {count} frames as {form}")
+
+
+def _track(path: Path) -> VehicleTrack:
+    from padstudio.flights.exports.vehicle import VehicleTrack
+
+    with path.open(encoding="utf-8-sig") as file:
+        return VehicleTrack.from_csv(file)

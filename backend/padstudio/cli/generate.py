@@ -1,0 +1,88 @@
+"""``padstudio generate``: a new pad as a pad file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from padstudio.cli.support import check_output, note, progress_bar
+
+_EXAMPLES = (
+    "Examples: [bold]padstudio generate -o pad.json[/] · "
+    "[bold]padstudio generate --window 4 --cells 60 --ratio 1 -o small.json[/] · "
+    "[bold]padstudio generate --cells 80x120 --cell-mm 8 --quiet-mm 20 -o wide.json[/]"
+)
+_Unique = Annotated[
+    Literal["rotation", "plain"],
+    typer.Option(help="rotation: windows differ in all four turns; plain: as they stand."),
+]
+_Distance = Annotated[int, typer.Option(help="Cells in which any two windows differ, at least.")]
+_VisibleLines = Annotated[
+    bool,
+    typer.Option(
+        "--visible-lines", help="Every window has a level change across each of its inner lines."
+    ),
+]
+_Method = Annotated[Literal["auto", "growth"], typer.Option(help="auto, or growth: the paper's.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command(epilog=_EXAMPLES)(generate)
+
+
+def generate(
+    output: Annotated[Path, typer.Option("-o", "--output", help="Pad file to write.")],
+    window: Annotated[int, typer.Option(help="b: every b x b window occurs once.")] = 5,
+    levels: Annotated[int, typer.Option(help="Y: levels a cell can take.")] = 2,
+    cells: Annotated[str, typer.Option(help="Red cells: N for a square, or ROWSxCOLUMNS.")] = "125",
+    ratio: Annotated[
+        int, typer.Option(help="Red cells along a blue one; 1 leaves the blue layer out.")
+    ] = 5,
+    cell_mm: Annotated[float, typer.Option(help="Side of a red cell, mm.")] = 10.0,
+    quiet_mm: Annotated[float, typer.Option(help="White margin round the pad, mm.")] = 0.0,
+    unique: _Unique = "rotation",
+    distance: _Distance = 3,
+    visible_lines: _VisibleLines = False,
+    method: _Method = "auto",
+    seed: Annotated[int, typer.Option(help="The same seed gives the same pad, everywhere.")] = 1,
+    name: Annotated[str, typer.Option(help="The pad's name.")] = "pad",
+    budget_s: Annotated[float, typer.Option(help="Seconds that the search may take.")] = 60.0,
+    force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
+) -> None:
+    """Generate a pad and write it as a pad file."""
+    from padstudio.pad.coding.generate import generate_pad
+
+    check_output(output, force=force)
+    rows, cols = _cells(cells)
+    with progress_bar(counted=False) as progress:
+        task = progress.add_task("Searching", total=1.0)
+        pad = generate_pad(
+            name=name,
+            window=window,
+            levels=levels,
+            rows=rows,
+            cols=cols,
+            ratio=ratio,
+            cell_mm=cell_mm,
+            quiet_mm=quiet_mm,
+            unique=unique,
+            distance=distance,
+            visible_lines=visible_lines,
+            method=method,
+            seed=seed,
+            budget_s=budget_s,
+            progress=lambda share: progress.update(task, completed=share),
+        )
+    pad.save(output)
+    layers = ", ".join(f"{la.channel} {la.rows} x {la.cols}" for la in pad.layers)
+    note(f"{output}: {pad.width_mm:g} mm x {pad.height_mm:g} mm, {layers}")
+
+
+def _cells(text: str) -> tuple[int, int]:
+    parts = text.lower().split("x")
+    if len(parts) > 2 or not all(part.isdecimal() for part in parts):
+        raise typer.BadParameter(f"{text!r} is neither N nor ROWSxCOLUMNS", param_hint="--cells")
+    return int(parts[0]), int(parts[-1])

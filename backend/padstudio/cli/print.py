@@ -1,0 +1,221 @@
+"""``padstudio print`` and ``padstudio measure``: a pad on paper, and the size it came out at."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, cast
+
+import typer
+
+from padstudio.cli.support import check_output, load_pad, note
+from padstudio.errors import ImageError
+
+if TYPE_CHECKING:
+    from padstudio.pad.sheets.tiling import SheetOptions, SheetPlan
+    from padstudio.render.documents import Form
+
+_PRINT_EXAMPLES = (
+    "Examples: [bold]padstudio print pad.json -o pad.pdf[/] (one page of the pad's own size) · "
+    "[bold]padstudio print pad.json --paper A4 -o sheets.pdf[/] · "
+    "[bold]padstudio print pad.json --dpi 300 -o pad.png[/] · "
+    "[bold]padstudio print pad.json --form strip --paper A4 -o strip.pdf[/]"
+)
+_MEASURE_EXAMPLE = "Example: [bold]padstudio measure pad.json 199.2 200.4[/]"
+_CROSSTALK_EXAMPLES = (
+    "Examples: [bold]padstudio crosstalk pad.json strip.jpg[/] · "
+    "[bold]padstudio crosstalk pad.json --forget[/]"
+)
+
+PadFile = Annotated[Path, typer.Argument(help="Pad file.")]
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", help="File to write: .pdf .svg .png .dxf .csv .npy .zip."),
+]
+FormName = Annotated[
+    str, typer.Option(help="pdf, svg, png, dxf, csv, npy or strip (a colour test strip).")
+]
+PaperName = Annotated[
+    str, typer.Option(help="A4 … A0, Letter, Legal, Tabloid, WIDTHxHEIGHT in mm, or own.")
+]
+Turned = Annotated[
+    Literal["auto", "portrait", "landscape"], typer.Option(help="auto: fewer sheets.")
+]
+Margin = Annotated[float, typer.Option(help="What the printer leaves blank.")]
+JointKind = Annotated[
+    Literal["butt", "overlap"], typer.Option(help="Sheets edge to edge, or over each other.")
+]
+Overlap = Annotated[float, typer.Option(help="Strip under the next sheet.")]
+SeamsKind = Annotated[
+    Literal["cells", "anywhere"], typer.Option(help="cells: never cut a cell needlessly.")
+]
+Furniture = Annotated[
+    bool | None,
+    typer.Option(
+        "--furniture/--bare", help="Rulers, labels, cut marks; bare for --paper own if unsaid."
+    ),
+]
+InkKind = Annotated[Literal["rgb", "cmyk"], typer.Option(help="How colours are given.")]
+Outline = Annotated[float, typer.Option(help="Line round the quiet margin.")]
+Header = Annotated[str, typer.Option(help="Text in the quiet margin above the pad.")]
+Footer = Annotated[str, typer.Option(help="Text in the quiet margin below the pad.")]
+Code = Annotated[bool, typer.Option(help="Print the pad's id and QR code.")]
+AssemblyMap = Annotated[bool, typer.Option(help="Begin with a map of the sheets.")]
+Resolution = Annotated[float, typer.Option(help="Resolution of a PNG.")]
+Readings = Annotated[
+    str,
+    typer.Option(
+        metavar="X,Y", help="What an earlier print's 200 mm rulers read; corrects this print."
+    ),
+]
+Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the program."""
+    app.command("print", epilog=_PRINT_EXAMPLES)(print_pad)
+    app.command(epilog=_MEASURE_EXAMPLE)(measure)
+    app.command(epilog=_CROSSTALK_EXAMPLES)(crosstalk)
+
+
+def print_pad(
+    pad: PadFile,
+    output: Output,
+    form: FormName = "",
+    paper: PaperName = "own",
+    orientation: Turned = "auto",
+    margin_mm: Margin = 5.0,
+    joint: JointKind = "butt",
+    overlap_mm: Overlap = 10.0,
+    seams: SeamsKind = "cells",
+    furniture: Furniture = None,
+    ink: InkKind = "rgb",
+    outline_mm: Outline = 0.0,
+    header: Header = "",
+    footer: Footer = "",
+    qr: Code = True,
+    assembly_map: AssemblyMap = True,
+    dpi: Resolution = 150.0,
+    read: Readings = "",
+    force: Force = False,
+) -> None:
+    """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
+    from padstudio.pad.sheets.tiling import plan_sheets
+    from padstudio.render import documents
+    from padstudio.render.painters.options import PrintOptions
+
+    check_output(output, force=force)
+    options = PrintOptions(
+        sheets=_sheets(paper, orientation, margin_mm, joint, overlap_mm, seams, furniture),
+        ink=ink,
+        outline_mm=outline_mm,
+        header=header,
+        footer=footer,
+        qr=qr,
+        assembly_map=assembly_map,
+        dpi=dpi,
+        measured=_measured(read),
+    )
+    chosen = cast("Form", form or output.suffix.lstrip(".").lower().replace("zip", "csv"))
+    design = load_pad(pad)
+    pieces, _media_type, _name = documents.make(design, chosen, options)
+    with output.open("wb") as file:
+        file.writelines(pieces)
+    told = _describe(plan_sheets(design, options.sheets)) if chosen == "pdf" else chosen
+    note(f"{output}: {told}")
+
+
+def measure(
+    pad: Annotated[Path, typer.Argument(help="Pad file; its scale is set.")],
+    x_mm: Annotated[float, typer.Argument(help="What the printed ruler along x reads, mm.")],
+    y_mm: Annotated[float, typer.Argument(help="What the printed ruler along y reads, mm.")],
+    ruler_mm: Annotated[float, typer.Option(help="Nominal length of the printed rulers.")] = 200.0,
+) -> None:
+    """Enter the size that a print came out at; poses then use it, without printing again."""
+    from padstudio.pad.print_scale import with_measured_size
+
+    design = with_measured_size(load_pad(pad), ruler_mm=ruler_mm, x_mm=x_mm, y_mm=y_mm)
+    design.save(pad)
+    note(f"{pad}: scale {design.scale[0]:.5f} in x, {design.scale[1]:.5f} in y")
+
+
+def crosstalk(
+    pad: Annotated[Path, typer.Argument(help="Pad file; its crosstalk is set.")],
+    photo: Annotated[Path | None, typer.Argument(help="Photo of the printed test strip.")] = None,
+    forget: Annotated[bool, typer.Option("--forget", help="Un-mix frames no longer.")] = False,
+) -> None:
+    """Read a photo of the test strip; frames are then un-mixed by what printer and camera do."""
+    from padstudio.media import images
+    from padstudio.pad.crosstalk import with_crosstalk
+    from padstudio.vision.strip_photo import estimate_crosstalk
+
+    if (photo is None) != forget:
+        raise typer.BadParameter("give a photo of the test strip, or --forget")
+    design = load_pad(pad)
+    if photo is None:
+        with_crosstalk(design, None).save(pad)
+        note(f"{pad}: frames are not un-mixed")
+        return
+    found = estimate_crosstalk(images.read(photo))
+    if not found.usable:
+        raise ImageError("; ".join(found.warnings), code="unusable_strip")
+    with_crosstalk(design, found.matrix).save(pad)
+    for warning in found.warnings:
+        note(f"warning: {warning}")
+    note(
+        f"{pad}: frames are un-mixed from now on; red stands out by {found.red_separation:.0%}, "
+        f"blue by {found.blue_separation:.0%} of white"
+    )
+
+
+def _sheets(
+    paper: str,
+    orientation: Turned,
+    margin_mm: float,
+    joint: JointKind,
+    overlap_mm: float,
+    seams: SeamsKind,
+    furniture: bool | None,
+) -> SheetOptions:
+    """How the pad is spread; a page of the pad's own size has nothing beside the pad if unsaid."""
+    from padstudio.pad.sheets.tiling import SheetOptions
+
+    own = paper.strip().lower() == "own"
+    beside = not own if furniture is None else furniture
+    return SheetOptions(
+        paper=paper,
+        orientation=orientation,
+        margin_mm=0.0 if own and not beside else margin_mm,
+        joint=joint,
+        overlap_mm=overlap_mm,
+        seams=seams,
+        furniture=beside,
+    )
+
+
+def _measured(read: str) -> tuple[float, float]:
+    """Size of prints over nominal size, from two ruler readings; 1 where there are none."""
+    from padstudio.pad.print_scale import print_scale
+
+    if not read:
+        return 1.0, 1.0
+    found = re.fullmatch(r"(\d+(?:\.\d+)?),(\d+(?:\.\d+)?)", read.replace(" ", ""))
+    if found is None:
+        raise typer.BadParameter(
+            f"{read!r} is not two readings in mm such as 199.2,200.4", param_hint="--read"
+        )
+    return print_scale(200.0, float(found[1])), print_scale(200.0, float(found[2]))
+
+
+def _describe(plan: SheetPlan) -> str:
+    paper = plan.paper
+    size = f"{paper.width_mm:g} x {paper.height_mm:g} mm"
+    if len(plan.sheets) == 1:
+        return f"1 page, {paper.name}, {size}"
+    cells = "on cell edges" if plan.on_cells else "through cells, as they are larger than a sheet"
+    if plan.options.seams == "anywhere":
+        cells = "anywhere"
+    return (
+        f"{len(plan.sheets)} sheets {paper.name} {paper.orientation}, {plan.rows} rows x "
+        f"{plan.cols} columns, {plan.paper_m2:.2f} m² of paper, seams {cells}"
+    )

@@ -1,0 +1,145 @@
+"""``padstudio simulate``: pictures of a pad with their truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from padstudio.cli.support import check_output, load_camera, load_pad, note, progress_bar
+from padstudio.errors import ConflictError
+
+if TYPE_CHECKING:
+    from padstudio.geometry.camera import Camera
+    from padstudio.simulate.radiance.scene import Scene
+    from padstudio.simulate.trajectories import Flight
+
+_EXAMPLES = (
+    "Examples: [bold]padstudio simulate --pad pad.json --camera preset-dji-mini-27k -o sim[/] · "
+    "[bold]padstudio simulate --pad pad.json --camera camera.yaml --flight landing --frames 150 "
+    "--look drone-shadow -o landing[/] · "
+    "[bold]padstudio simulate --pad pad.json --camera camera.yaml --flight tilts --from-mm 500 "
+    "--frames 8 --ground gravel -o tilts[/]"
+)
+
+CameraName = Annotated[
+    str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
+]
+Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder to write into.")]
+PadFile = Annotated[Path | None, typer.Option(help="Pad file; without one the ground is bare.")]
+Kind = Annotated[str, typer.Option(help="descent, hover, landing, gusty or tilts.")]
+Count = Annotated[int, typer.Option(help="How many frames.")]
+FromHeight = Annotated[float, typer.Option(help="Height at the start (tilts: distance), mm.")]
+ToHeight = Annotated[float, typer.Option(help="Height at the end, mm.")]
+Rate = Annotated[float, typer.Option(help="Frames a second of a video.")]
+Sway = Annotated[float, typer.Option(help="Scales how the camera wanders and leans.")]
+LookName = Annotated[
+    str, typer.Option(help="Conditions: clear, shadow, dusk, glare, … (--list-looks).")
+]
+Ground = Annotated[
+    str, typer.Option(help="grass, gravel, asphalt, bricks, concrete, sand, snow or plain.")
+]
+Quiet = Annotated[
+    float | None, typer.Option(help="White margin round the pad; the pad's own if not given.")
+]
+Stills = Annotated[bool, typer.Option("--stills", help="Stills where a video is usual.")]
+CodecName = Annotated[str, typer.Option(help="h264 or h265.")]
+Seed = Annotated[int, typer.Option(help="The same seed gives the same pictures.")]
+ListLooks = Annotated[
+    bool, typer.Option("--list-looks", is_eager=True, callback=lambda on: _list_looks(on))
+]
+Force = Annotated[bool, typer.Option("--force", help="Write into a folder that is there.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to the program."""
+    app.command(epilog=_EXAMPLES)(simulate)
+
+
+def simulate(
+    camera: CameraName,
+    output: Folder,
+    pad: PadFile = None,
+    flight: Kind = "descent",
+    frames: Count = 24,
+    from_mm: FromHeight = 3000,
+    to_mm: ToHeight = 100,
+    fps: Rate = 30,
+    sway: Sway = 1,
+    look: LookName = "clear",
+    ground: Ground = "grass",
+    quiet_mm: Quiet = None,
+    stills: Stills = False,
+    codec: CodecName = "h264",
+    seed: Seed = 1,
+    list_looks: ListLooks = False,
+    force: Force = False,
+) -> None:
+    """Simulate flights over a pad: pictures as a real camera takes them, and the true poses.
+
+    Writes stills/ or flights/ with a truth file, and the pad and the camera beside them.
+    """
+    from padstudio.simulate import trajectories
+    from padstudio.simulate.radiance.scene import Scene
+
+    if output.exists() and not force:
+        raise ConflictError(
+            f"{output} exists; give another name, or --force to write into it", code="file_exists"
+        )
+    check_output(output, force=True)
+    course = trajectories.plan(
+        flight,  # type: ignore[arg-type]  # plan() names the choices itself
+        frames=frames,
+        from_mm=from_mm,
+        to_mm=to_mm,
+        fps=fps,
+        seed=seed,
+        sway=sway,
+    )
+    scene = Scene(
+        pad=load_pad(pad) if pad else None,
+        quiet_mm=quiet_mm,
+        ground=ground,  # type: ignore[arg-type]  # Scene names the choices itself
+        ground_seed=seed,
+    )
+    film = codec if flight in trajectories.VIDEO_KINDS and not stills else None
+    truth = _write(output, course, scene, load_camera(camera), look, film, seed)
+    note(f"{output}: {len(course)} frames, the true poses in {truth.relative_to(output)}")
+
+
+def _write(
+    output: Path,
+    course: Flight,
+    scene: Scene,
+    camera: Camera,
+    look: str,
+    codec: str | None,
+    seed: int,
+) -> Path:
+    """Render into a folder under a progress bar; stills where there is no codec."""
+    from padstudio.simulate import looks, writer
+
+    dressed, imaging = looks.dress(scene, look, seed=seed)
+    with progress_bar() as progress:
+        task = progress.add_task("Rendering", total=len(course))
+        return writer.write_flight(
+            output,
+            course,
+            dressed,
+            camera,
+            imaging,
+            video=codec is not None,
+            codec=codec or "h264",  # type: ignore[arg-type]  # VideoWriter names the choices itself
+            seed=seed,
+            progress=lambda done: progress.update(task, completed=done),
+        )
+
+
+def _list_looks(wanted: bool) -> None:
+    if wanted:
+        from padstudio.simulate.looks import LOOKS
+
+        for name, look in LOOKS.items():
+            print(f"{name:14}{look.note}")
+        raise typer.Exit

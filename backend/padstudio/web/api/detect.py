@@ -1,0 +1,120 @@
+"""One picture through the detector, at once; and the traces of the newest ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, File, Form, Query, UploadFile
+from fastapi import Path as PathParameter
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import FileResponse
+
+from padstudio.store.database.data_folder import remove
+from padstudio.store.store import new_id
+from padstudio.web.api.cameras import camera_text, file_name
+from padstudio.web.schemas.base import DetectionAnswer
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, check_size
+from padstudio.workers import detection
+
+router = APIRouter(prefix="/detect", tags=["detect"], responses=ERRORS)
+
+_PICTURE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The picture.",
+        "content": {
+            "image/png": {
+                "schema": {"type": "string", "format": "binary"},
+                "example": "(the bytes of a PNG file)",
+            }
+        },
+    }
+}
+# A trace never changes; its id is never given again.
+_FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
+
+
+@router.post("", operation_id="detectImage", summary="Find the pad in one picture")
+async def detect_image(
+    shared: Shared,
+    image: Annotated[UploadFile, File(description="JPEG, PNG, WebP, TIFF or BMP.")],
+    pad: Annotated[str, Form(max_length=64, description="Id of a stored pad.")],
+    camera: Annotated[str, Form(max_length=64, description="Id of a camera or preset.")],
+    method: Annotated[Literal["dense", "paper"], Form()] = "dense",
+    unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True,
+    trace: Annotated[bool, Form(description="Keep every stage, with pictures.")] = False,
+) -> DetectionAnswer:
+    settings, store = shared.settings, shared.store
+    check_size(image.size, settings.max_upload_bytes, "picture")
+    stored_pad = await run_in_threadpool(store.pads.get, pad)
+    folder = await run_in_threadpool(store.folder.work_folder) if trace else None
+    try:
+        job = detection.Job(
+            image=await image.read(),
+            source=file_name(image, "picture"),
+            pad=stored_pad.content or "",
+            camera=await run_in_threadpool(camera_text, store, camera),
+            method=method,
+            max_pixels=settings.max_image_pixels,
+            unmix=unmix,
+            pictures=folder,
+        )
+        answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)
+        return await run_in_threadpool(_keep, shared, answer, folder)
+    finally:
+        if folder is not None:
+            remove(folder)
+
+
+@router.get("/{trace_id}", operation_id="getDetection", summary="A kept answer again")
+def get_detection(trace_id: ItemId, shared: Shared) -> DetectionAnswer:
+    return DetectionAnswer.model_validate(shared.store.traces.body(trace_id))
+
+
+@router.get(
+    "/{trace_id}/pictures/{name}",
+    operation_id="getDetectionPicture",
+    summary="A stage's picture",
+    response_class=FileResponse,
+    responses=_PICTURE,
+)
+def get_detection_picture(
+    trace_id: ItemId,
+    name: Annotated[
+        str, PathParameter(pattern=r"^[a-z_-]{1,60}\.png$", examples=["red-edges.png"])
+    ],
+    shared: Shared,
+    width: Annotated[
+        int | None,
+        Query(ge=1, le=100_000, description="At least so wide is enough; for thumbnails."),
+    ] = None,
+) -> FileResponse:
+    if width is not None and width <= detection.THUMBNAIL_WIDTH_PX:
+        name = detection.THUMBNAIL_PREFIX + name
+    path = shared.store.traces.picture(trace_id, name)
+    return FileResponse(path, media_type="image/png", headers=_FOREVER)
+
+
+def _keep(shared: Services, answer: dict[str, Any], folder: Path | None) -> DetectionAnswer:
+    """The answer with the addresses of its pictures; stored where there are any."""
+    stages = answer.pop("stages")
+    if folder is None or stages is None:
+        return DetectionAnswer(**answer, trace=None)
+    trace_id = new_id()
+    base = f"/api/v1/detect/{trace_id}/pictures/"
+    for stage in stages:
+        name = stage["picture"]
+        stage["picture"] = base + name if name else None
+        stage["thumbnail"] = _thumbnail(base + name) if name else None
+    trace = {
+        "id": trace_id,
+        "result_picture": base + detection.RESULT_PICTURE,
+        "stages": stages,
+    }
+    kept = DetectionAnswer.model_validate({**answer, "trace": trace})
+    shared.store.traces.add(trace_id, folder, kept.model_dump(mode="json"))
+    return kept
+
+
+def _thumbnail(address: str) -> str:
+    return f"{address}?width={analysis.THUMBNAIL_WIDTH_PX}"

@@ -1,0 +1,158 @@
+"""The poses of a flight in other programs' forms."""
+
+from __future__ import annotations
+
+import io
+import time
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from fastapi import APIRouter, Depends, File, Query, UploadFile
+from fastapi.responses import StreamingResponse
+
+from padstudio.errors import BusyError, SpecError
+from padstudio.flights.exports.forms import FORMS, export
+from padstudio.flights.exports.options import ExportOptions
+from padstudio.flights.exports.sources import FlightPictures, frame_camera
+from padstudio.flights.exports.vehicle import Mount, VehicleTrack
+from padstudio.pad import files as pad_files
+from padstudio.web.server.services import (
+    ERRORS,
+    ItemId,
+    Services,
+    Shared,
+    attachment,
+    check_size,
+)
+
+router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
+
+FormName = Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"]
+_FILE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The file, as an attachment.",
+        "content": {
+            "application/octet-stream": {
+                "schema": {"type": "string", "format": "binary"},
+                "example": "# timestamp tx ty tz qx qy qz qw\n",
+            }
+        },
+    }
+}
+_BUSY_SECONDS = 0.2
+_WITH_CAMERA = ("colmap", "mcap")
+_Metres = Annotated[float, Query(ge=-100, le=100, description="Camera in the body frame, m.")]
+
+
+@dataclass(frozen=True)
+class ExportChoices:
+    """What a caller may choose.
+
+    Attributes
+    ----------
+    start_unix_s : float
+    turned_deg, forward_m, right_m, down_m : float
+        The mount of a camera that looks straight down.
+    """
+
+    start_unix_s: Annotated[
+        float, Query(ge=0, le=2**33, description="Unix time of the flight's time 0, s.")
+    ] = 0.0
+    turned_deg: Annotated[
+        float,
+        Query(ge=-360, le=360, description="Of MAVLink: 0 if up in the picture is forward."),
+    ] = 0.0
+    forward_m: _Metres = 0.0
+    right_m: _Metres = 0.0
+    down_m: _Metres = 0.0
+
+    @property
+    def mount(self) -> Mount:
+        """How the camera sits on the vehicle."""
+        position_m = np.array([self.forward_m, self.right_m, self.down_m])
+        return Mount.downward(self.turned_deg, position_m)
+
+
+Choices = Annotated[ExportChoices, Depends(ExportChoices)]
+
+
+@router.get(
+    "/{flight_id}/export/{form}",
+    operation_id="exportFlight",
+    summary="The poses as csv, jsonl, tum, colmap, mcap, ardupilot or px4",
+    response_class=StreamingResponse,
+    responses=_FILE,
+)
+def export_flight(
+    flight_id: ItemId,
+    form: FormName,
+    shared: Shared,
+    choices: Choices,
+    images: Annotated[bool, Query(description="Of mcap: the frames, too.")] = False,
+) -> StreamingResponse:
+    return _stream(shared, flight_id, form, choices, images=images)
+
+
+@router.post(
+    "/{flight_id}/export/{form}",
+    operation_id="exportFlightVehicle",
+    summary="The same, with the vehicle's own poses, which px4 needs",
+    response_class=StreamingResponse,
+    responses=_FILE,
+)
+def export_flight_vehicle(
+    flight_id: ItemId,
+    form: FormName,
+    shared: Shared,
+    choices: Choices,
+    vehicle: Annotated[
+        UploadFile, File(description="CSV: time_s,north_m,east_m,down_m,qw,qx,qy,qz.")
+    ],
+) -> StreamingResponse:
+    check_size(vehicle.size, shared.settings.max_telemetry_bytes, "track of the vehicle")
+    try:
+        lines = io.StringIO(vehicle.file.read().decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise SpecError(
+            "the vehicle's track is no text; send CSV", code="invalid_vehicle_track"
+        ) from error
+    return _stream(shared, flight_id, form, choices, vehicle=VehicleTrack.from_csv(lines))
+
+
+def _stream(
+    shared: Services,
+    flight_id: str,
+    form: FormName,
+    choices: ExportChoices,
+    *,
+    vehicle: VehicleTrack | None = None,
+    images: bool = False,
+) -> StreamingResponse:
+    flight = shared.flights.flights.get(flight_id, texts=True)
+    max_pixels = shared.flights.limits.max_pixels
+
+    def run(function: Any, *args: Any) -> Any:
+        timeout_s = shared.settings.detect_seconds
+        while True:
+            try:
+                return shared.pool.submit(function, *args, timeout_s=timeout_s).result()
+            except BusyError:
+                # An export is in no hurry, and must not lose pictures to others' requests.
+                time.sleep(_BUSY_SECONDS)
+
+    results = shared.flights.results
+    options = ExportOptions(
+        camera=frame_camera(flight, run, max_pixels) if form in _WITH_CAMERA else None,
+        pad_size_mm=pad_files.loads(flight.pad).size_mm,
+        picture=FlightPictures(flight, results, run, max_pixels) if images else None,
+        start_unix_s=choices.start_unix_s,
+        mount=choices.mount,
+        vehicle=vehicle,
+    )
+    found = FORMS[form]
+    return StreamingResponse(
+        export(form, results.every(flight), options),
+        media_type=found.media_type,
+        headers=attachment(flight.name, found.suffix),
+    )

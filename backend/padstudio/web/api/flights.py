@@ -1,0 +1,288 @@
+"""Flights: analyses of uploaded videos and stills, their progress and their results."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from sse_starlette import EventSourceResponse, ServerSentEvent
+
+from padstudio.errors import NotFoundError, SpecError
+from padstudio.flights.jobs import OPEN, FlightOrder
+from padstudio.flights.results.frames import FrameFilter
+from padstudio.store.database.flight_tables import FlightRow
+from padstudio.store.store import Store
+from padstudio.web.api.cameras import camera_name, camera_text
+from padstudio.web.schemas.flights import (
+    Flight,
+    FlightDetail,
+    FlightList,
+    FlightSettings,
+    FlightSummary,
+    FramePage,
+    FrameResult,
+    NewFlight,
+    TelemetryColumns,
+)
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
+
+router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
+
+FrameNumber = Annotated[int, Path(ge=0, le=2**31 - 1, examples=[412])]
+_LOOK_EVERY_S = 0.5
+_DEFAULTS: dict[str, Any] = {
+    "method": "dense",
+    "params": {},
+    "first_frame": 0,
+    "end_frame": None,
+    "stride": 1,
+    "apply_rotation": True,
+}
+_EVENTS: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "Server-Sent Events `flight`, each with a flight as JSON; the stream ends "
+        "with the flight.",
+        "content": {
+            "text/event-stream": {
+                "schema": {"type": "string"},
+                "example": 'event: flight\r\ndata: {"id": "5d2f0a91c3b7e846", "state": "done"}\r\n',
+            }
+        },
+    }
+}
+
+
+@router.post("", operation_id="createFlight", summary="Analyse uploads", status_code=202)
+def create_flight(new: NewFlight, shared: Shared, response: Response) -> FlightDetail:
+    flight = order_flight(new, shared)
+    response.headers["Location"] = f"/api/v1/flights/{flight.id}"
+    return describe_detail(shared, shared.flights.flights.get(flight.id, texts=True))
+
+
+@router.get("", operation_id="listFlights", summary="The flights, newest first")
+def list_flights(
+    shared: Shared,
+    limit: Annotated[int, Query(ge=1, le=200)] = 50,
+    offset: Annotated[int, Query(ge=0, le=2**31)] = 0,
+    state: Literal["queued", "running", "done", "failed", "cancelled"] | None = None,
+) -> FlightList:
+    rows, total = shared.flights.flights.list(limit, offset, state)
+    return FlightList(items=[describe(shared, row) for row in rows], total=total)
+
+
+@router.get("/{flight_id}", operation_id="getFlight", summary="A flight and how far it is")
+def get_flight(flight_id: ItemId, shared: Shared) -> FlightDetail:
+    return describe_detail(shared, shared.flights.flights.get(flight_id, texts=True))
+
+
+@router.delete(
+    "/{flight_id}", operation_id="deleteFlight", summary="Remove a flight", status_code=204
+)
+def delete_flight(flight_id: ItemId, shared: Shared) -> None:
+    shared.flights.delete(flight_id)
+
+
+@router.post("/{flight_id}/cancel", operation_id="cancelFlight", summary="Stop a flight")
+def cancel_flight(flight_id: ItemId, shared: Shared) -> Flight:
+    return describe(shared, shared.flights.cancel(flight_id))
+
+
+@router.post(
+    "/{flight_id}/retry",
+    operation_id="retryFlight",
+    summary="Do again what failed or was cancelled",
+    status_code=202,
+)
+def retry_flight(flight_id: ItemId, shared: Shared) -> Flight:
+    return describe(shared, shared.flights.retry(flight_id))
+
+
+@router.post(
+    "/{flight_id}/rerun",
+    operation_id="rerunFlight",
+    summary="Run it again otherwise, beside the first run",
+    status_code=202,
+)
+def rerun_flight(
+    flight_id: ItemId, changes: FlightSettings, shared: Shared, response: Response
+) -> FlightDetail:
+    flight = shared.flights.rerun(flight_id, lambda order: _changed(order, changes, shared.store))
+    response.headers["Location"] = f"/api/v1/flights/{flight.id}"
+    return describe_detail(shared, shared.flights.flights.get(flight.id, texts=True))
+
+
+@router.get(
+    "/{flight_id}/events",
+    operation_id="watchFlight",
+    summary="Progress as it happens",
+    response_class=EventSourceResponse,
+    responses=_EVENTS,
+)
+async def watch_flight(flight_id: ItemId, shared: Shared, request: Request) -> EventSourceResponse:
+    first = await run_in_threadpool(shared.flights.flights.get, flight_id)
+    return EventSourceResponse(
+        _events(shared, first, request), headers={"Cache-Control": "no-store"}, ping=15
+    )
+
+
+@router.get("/{flight_id}/frames", operation_id="listFrames", summary="Frames, page by page")
+def list_frames(
+    flight_id: ItemId,
+    shared: Shared,
+    status: Literal["ok", "failed"] | None = None,
+    reason: Annotated[str | None, Query(max_length=40)] = None,
+    stage: Annotated[str | None, Query(max_length=20)] = None,
+    layer: Annotated[str | None, Query(max_length=10)] = None,
+    from_s: Annotated[float | None, Query(allow_inf_nan=False)] = None,
+    to_s: Annotated[float | None, Query(allow_inf_nan=False)] = None,
+    min_height: Annotated[
+        float | None, Query(allow_inf_nan=False, description="Over the pad, mm.")
+    ] = None,
+    max_height: Annotated[float | None, Query(allow_inf_nan=False)] = None,
+    after: Annotated[int | None, Query(ge=-1, le=2**31 - 1)] = None,
+    before: Annotated[
+        int | None,
+        Query(ge=0, le=2**31, description="Without `after`: the last frames below this number."),
+    ] = None,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+) -> FramePage:
+    wanted = FrameFilter(
+        status=status,
+        reason=reason,
+        stage=stage,
+        layer=layer,
+        from_s=from_s,
+        to_s=to_s,
+        min_height=min_height,
+        max_height=max_height,
+    )
+    flight = shared.flights.flights.get(flight_id)
+    records = shared.flights.results.page(flight, wanted, limit, after, before)
+    full = len(records) == limit and (before is None or after is not None)
+    return FramePage(
+        items=[FrameResult.model_validate(record) for record in records],
+        next_after=records[-1]["frame"] if full else None,
+    )
+
+
+@router.get("/{flight_id}/frames/{number}", operation_id="getFrame", summary="One frame's result")
+def get_frame(flight_id: ItemId, number: FrameNumber, shared: Shared) -> FrameResult:
+    flight = shared.flights.flights.get(flight_id)
+    return FrameResult.model_validate(shared.flights.results.frame(flight, number))
+
+
+@router.get("/{flight_id}/summary", operation_id="getFlightSummary", summary="Figures of a flight")
+def get_flight_summary(flight_id: ItemId, shared: Shared) -> FlightSummary:
+    flight = shared.flights.flights.get(flight_id)
+    return FlightSummary.model_validate(shared.flights.summaries.of(flight))
+
+
+@router.get(
+    "/{flight_id}/telemetry",
+    operation_id="getFlightTelemetry",
+    summary="What the camera wrote of the flight",
+)
+def get_flight_telemetry(flight_id: ItemId, shared: Shared) -> TelemetryColumns:
+    flight = shared.flights.flights.get(flight_id, texts=True)
+    if flight.telemetry is None:
+        raise NotFoundError(
+            "this flight has no telemetry; upload the SRT file beside the video",
+            code="no_telemetry",
+        )
+    return TelemetryColumns.model_validate(flight.telemetry)
+
+
+def order_flight(new: NewFlight, shared: Services) -> FlightRow:
+    """Queue an analysis; raises as `FlightDesk.order`."""
+    order = FlightOrder("", new.uploads, "", "", _DEFAULTS)
+    return shared.flights.order(_changed(order, new, shared.store))
+
+
+def describe(shared: Services, row: FlightRow) -> Flight:
+    """A flight as it is shown in lists."""
+    return Flight.model_validate(_fields(shared, row))
+
+
+def describe_detail(shared: Services, row: FlightRow) -> FlightDetail:
+    """A flight as it is shown alone; loaded with its texts."""
+    # Where workers find a file is none of the caller's business, and a zip may hold thousands.
+    hidden = {"url", "members"}
+    sources = [
+        {name: value for name, value in source.items() if name not in hidden}
+        for source in row.sources
+    ]
+    return FlightDetail.model_validate(
+        _fields(shared, row) | {"sources": sources, "telemetry": row.telemetry is not None}
+    )
+
+
+def _fields(shared: Services, row: FlightRow) -> dict[str, Any]:
+    names = (
+        "id",
+        "name",
+        "state",
+        "created_at",
+        "started_at",
+        "finished_at",
+        "frames_total",
+        "frames_done",
+        "frames_ok",
+        "error",
+        "rerun_of",
+        "request",
+    )
+    done = row.frames_done / row.frames_total if row.frames_total else 0.0
+    notice = shared.flights.trouble if row.state in OPEN else None
+    shown = {name: getattr(row, name) for name in names}
+    return shown | {"progress": round(done, 4), "notice": notice}
+
+
+def _changed(order: FlightOrder, given: FlightSettings, store: Store) -> FlightOrder:
+    """An order with what was given in place of what it had."""
+    values = given.model_dump(exclude_unset=True)
+    request = dict(order.request)
+    request |= {name: values[name] for name in _DEFAULTS if name in values}
+    request = {
+        name: _DEFAULTS[name] if value is None and name in _DEFAULTS else value
+        for name, value in request.items()
+    }
+    end = request["end_frame"]
+    if end is not None and end <= request["first_frame"]:
+        raise SpecError(
+            f"end_frame {end} must be above first_frame {request['first_frame']}",
+            code="invalid_range",
+        )
+    if given.pad is not None:
+        pad = store.pads.get(given.pad)
+        order = replace(order, pad=pad.content or "")
+        request |= {"pad_id": given.pad, "pad_name": pad.summary.get("name", "")}
+    if given.camera is not None:
+        order = replace(order, camera=camera_text(store, given.camera))
+        request |= {"camera_id": given.camera, "camera_name": camera_name(store, given.camera)}
+    name = given.name or order.name
+    if not name:
+        name = store.uploads.get(order.uploads[0]).name
+    return replace(order, name=name, request=request)
+
+
+async def _events(
+    shared: Services, flight: FlightRow, request: Request
+) -> AsyncIterator[ServerSentEvent]:
+    """The flight now, and after every change, until it is over."""
+    last = ""
+    while not await request.is_disconnected():
+        data = describe(shared, flight).model_dump_json()
+        if data != last:
+            last = data
+            yield ServerSentEvent(data, event="flight")
+        if flight.state not in OPEN:
+            return
+        await asyncio.sleep(_LOOK_EVERY_S)
+        try:
+            flight = await run_in_threadpool(shared.flights.flights.get, flight.id)
+        except NotFoundError:
+            return

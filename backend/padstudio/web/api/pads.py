@@ -1,0 +1,184 @@
+"""Pads: preview, create, import, list, get, verify, delete."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, File, Query, Response, UploadFile
+from fastapi.concurrency import run_in_threadpool
+
+from padstudio.errors import LimitError
+from padstudio.pad.coding.search import bounds
+from padstudio.pad.coding.search.spec import FieldSpec
+from padstudio.pad.spec import MAX_CELLS
+from padstudio.store.store import Stored
+from padstudio.web.api.cameras import file_name
+from padstudio.web.schemas.base import (
+    PadDetail,
+    PadList,
+    PadPreview,
+    PadSpec,
+    PadSummary,
+    PadVerification,
+)
+from padstudio.web.schemas.pads import PadBounds, table_sizes
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, check_size
+from padstudio.workers import pads as design
+
+router = APIRouter(prefix="/pads", tags=["pads"], responses=ERRORS)
+
+# Ends a search that does not look at its own budget.
+_GRACE_S = 15.0
+
+
+@router.post(
+    "/preview",
+    operation_id="previewPad",
+    summary="Generate a pad without storing it",
+    response_model=PadPreview,
+)
+async def preview_pad(spec: PadSpec, shared: Shared) -> Response:
+    made = await _generate(spec, shared)
+    return _with_content({"verification": made.verification}, made.content)
+
+
+@router.post("", operation_id="createPad", summary="Generate and store a pad", status_code=201)
+async def create_pad(spec: PadSpec, shared: Shared) -> PadSummary:
+    made = await _generate(spec, shared)
+    return await _store(made, shared)
+
+
+@router.post(
+    "/bounds", operation_id="getPadBounds", summary="What can be known of a pad beforehand"
+)
+def get_pad_bounds(spec: PadSpec) -> PadBounds:
+    return PadBounds(**_bounds_record(bounds.bounds(_field_spec(spec))))
+
+
+@router.post(
+    "/import",
+    operation_id="importPad",
+    summary="Store a pad file, or a table or picture of a field",
+    status_code=201,
+)
+async def import_pad(
+    file: Annotated[
+        UploadFile,
+        File(description="A pad file (.json), .csv, .npy, .field, or one pixel a cell."),
+    ],
+    shared: Shared,
+    sizes: Annotated[design.TableSizes, Depends(table_sizes)],
+) -> PadSummary:
+    check_size(file.size, shared.settings.max_upload_bytes, "file")
+    path = PurePosixPath(file_name(file, "pad"))
+    made = await shared.run(
+        design.read,
+        *(await file.read(), path.suffix.lower(), replace(sizes, name=sizes.name or path.stem)),
+        timeout_s=shared.settings.generate_seconds,
+    )
+    return await _store(made, shared)
+
+
+@router.get("", operation_id="listPads", summary="The stored pads, newest first")
+def list_pads(
+    shared: Shared,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+    offset: Annotated[int, Query(ge=0, le=2**31)] = 0,
+) -> PadList:
+    stored, total = shared.store.pads.list(limit, offset)
+    return PadList(items=[pad_summary(item) for item in stored], total=total)
+
+
+@router.get(
+    "/{pad_id}", operation_id="getPad", summary="A pad with its codes", response_model=PadDetail
+)
+def get_pad(pad_id: ItemId, shared: Shared) -> Response:
+    stored = shared.store.pads.get(pad_id)
+    return _with_content(pad_summary(stored).model_dump(mode="json"), stored.content or "")
+
+
+@router.get(
+    "/{pad_id}/verification",
+    operation_id="verifyPad",
+    summary="Prove the properties of a stored pad",
+)
+async def verify_pad(pad_id: ItemId, shared: Shared) -> PadVerification:
+    stored = await run_in_threadpool(shared.store.pads.get, pad_id)
+    found = await shared.run(
+        design.verify_content,
+        stored.content or "",
+        timeout_s=shared.settings.generate_seconds,
+    )
+    return PadVerification(verification=found)
+
+
+@router.delete("/{pad_id}", operation_id="deletePad", summary="Remove a pad", status_code=204)
+def delete_pad(pad_id: ItemId, shared: Shared) -> None:
+    shared.store.pads.delete(pad_id)
+
+
+async def _generate(spec: PadSpec, shared: Services) -> design.Design:
+    settings = shared.settings
+    for name, value, limit in (
+        ("window", spec.window, settings.max_window),
+        ("levels", spec.levels, settings.max_levels),
+        ("rows", spec.rows, settings.max_cells),
+        ("cols", spec.cols, settings.max_cells),
+    ):
+        if value > limit:
+            raise LimitError(f"{name} is {value}; this server makes pads of at most {limit}")
+    # What no search can find is refused here, at once.
+    bounds.check_possible(_field_spec(spec))
+    budget_s = settings.generate_seconds
+    return await shared.run(
+        design.generate, spec.model_dump(), budget_s, timeout_s=budget_s + _GRACE_S
+    )
+
+
+def _field_spec(spec: PadSpec) -> FieldSpec:
+    return FieldSpec(
+        rows=spec.rows,
+        cols=spec.cols,
+        window=spec.window,
+        levels=spec.levels,
+        unique=spec.unique,
+        distance=spec.distance,
+        visible_lines=spec.visible_lines,
+        method=spec.method,
+    )
+
+
+def _bounds_record(found: bounds.Bounds) -> dict[str, Any]:
+    """Counts as logarithms: many are beyond what JSON readers hold."""
+    counts = {
+        "log10_possible": found.windows_possible,
+        "log10_allowed": found.windows_allowed,
+        "log10_at_most": found.windows_at_most,
+    }
+    return {
+        **{name: math.log10(count) if count > 0 else None for name, count in counts.items()},
+        "windows_needed": found.windows_needed,
+        "share": found.share if math.isfinite(found.share) else None,
+        "largest_square": min(found.largest_square, MAX_CELLS),
+        "outlook": found.outlook,
+    }
+
+
+async def _store(made: design.Design, shared: Services) -> PadSummary:
+    stored = await run_in_threadpool(shared.store.pads.add, made.content, made.summary)
+    return pad_summary(stored)
+
+
+def pad_summary(stored: Stored) -> PadSummary:
+    """What lists show of a stored pad."""
+    return PadSummary(id=stored.id, created_at=stored.created_at, **stored.summary)
+
+
+def _with_content(values: dict[str, Any], content: str) -> Response:
+    """An object whose ``pad`` is a pad file, which is JSON already and may be megabytes of it."""
+    head = json.dumps(values, ensure_ascii=False).removesuffix("}")
+    return Response(f'{head}, "pad": {content}}}', media_type="application/json")

@@ -1,0 +1,147 @@
+"""Simulated flights: rendered, kept as uploads, and sent straight into an analysis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Response
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import FileResponse
+
+from padstudio.errors import ConflictError, LimitError, SpecError
+from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
+from padstudio.simulate.trajectories import VIDEO_KINDS
+from padstudio.store.database.data_folder import remove
+from padstudio.store.uploads.local import upload_file
+from padstudio.web.api.cameras import camera_text
+from padstudio.web.api.flights import order_flight
+from padstudio.web.schemas.flights import NewFlight
+from padstudio.web.schemas.simulations import Simulation, SimulationSpec
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, attachment
+from padstudio.web.server.simulation_desk import SimulationJob
+from padstudio.workers import simulated_flights
+
+router = APIRouter(prefix="/simulations", tags=["simulate"], responses=ERRORS)
+
+_ZIP: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "Pictures or video, truth, pad and camera.",
+        "content": {
+            "application/zip": {
+                "schema": {"type": "string", "format": "binary"},
+                "example": "(the bytes of a zip file)",
+            }
+        },
+    }
+}
+
+
+@router.post(
+    "", operation_id="simulateFlight", summary="Simulate a flight over a pad", status_code=202
+)
+async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Response) -> Simulation:
+    settings, store = shared.settings, shared.store
+    pad, camera = await run_in_threadpool(_checked, spec, shared)
+    job = SimulationJob(
+        name=spec.name or f"simulated {spec.flight}, {spec.look}",
+        frames_total=spec.frames,
+        video=_is_video(spec, camera_files.loads(camera)),
+        folder=await run_in_threadpool(store.folder.work_folder),
+    )
+
+    async def work(job: SimulationJob) -> None:
+        await shared.run(
+            simulated_flights.simulate_flight,
+            *(spec.model_dump(), pad, camera, job.video, job.folder),
+            timeout_s=settings.simulate_flight_seconds,
+        )
+        await run_in_threadpool(_hand_over, job, spec, shared)
+
+    try:
+        shared.simulations.start(job, work)
+    except LimitError:
+        remove(job.folder)
+        raise
+    response.headers["Location"] = f"/api/v1/simulations/{job.id}"
+    return Simulation.model_validate(job)
+
+
+@router.get("/{simulation_id}", operation_id="getSimulation", summary="How far a flight is")
+async def get_simulation(simulation_id: ItemId, shared: Shared) -> Simulation:
+    return Simulation.model_validate(shared.simulations.get(simulation_id))
+
+
+@router.get(
+    "/{simulation_id}/files/flight.zip",
+    operation_id="getSimulationFile",
+    summary="Pictures or video with truth, pad and camera",
+    response_class=FileResponse,
+    responses=_ZIP,
+)
+async def get_simulation_file(simulation_id: ItemId, shared: Shared) -> FileResponse:
+    job = shared.simulations.get(simulation_id)
+    if job.state != "done":
+        raise ConflictError(
+            f"the flight is {job.state}; only one that is done has files", code="not_done"
+        )
+    return FileResponse(
+        job.folder / simulated_flights.ARCHIVE,
+        media_type="application/zip",
+        headers=attachment(job.name, ".zip"),
+    )
+
+
+@router.delete(
+    "/{simulation_id}",
+    operation_id="deleteSimulation",
+    summary="Stop a flight that is not done; else forget its archive",
+    status_code=204,
+)
+async def delete_simulation(simulation_id: ItemId, shared: Shared) -> None:
+    shared.simulations.remove(simulation_id)
+
+
+def _checked(spec: SimulationSpec, shared: Services) -> tuple[str | None, str]:
+    """The content of the pad and of the camera file, where the flight can be simulated."""
+    store, settings = shared.store, shared.settings
+    if spec.analyze is not None and spec.pad is None:
+        raise SpecError("an analysis needs a pad; choose one, or leave `analyze` out")
+    if spec.frames > settings.max_flight_frames:
+        raise LimitError(
+            f"{spec.frames} frames are asked for at once; this server simulates at most "
+            f"{settings.max_flight_frames}: take fewer, or `padstudio simulate`",
+            code="too_many_frames",
+            detail={"frames": spec.frames, "limit": settings.max_flight_frames},
+        )
+    pad = None if spec.pad is None else store.pads.get(spec.pad).content
+    camera = camera_text(store, spec.camera)
+    simulated_flights.check_flight(spec.model_dump(), camera, settings.max_simulated_pixels)
+    return pad, camera
+
+
+def _is_video(spec: SimulationSpec, camera: Camera) -> bool:
+    odd = camera.width % 2 or camera.height % 2
+    stills = bool(odd) if spec.stills is None else spec.stills
+    return spec.flight in VIDEO_KINDS and not stills
+
+
+def _hand_over(job: SimulationJob, spec: SimulationSpec, shared: Services) -> None:
+    """Make the footage an upload, and a flight of it where one is wanted."""
+    if job.state == "cancelled":
+        return
+    footage = job.folder / simulated_flights.FOOTAGE
+    name = f"{job.name}.{'mp4' if job.video else 'zip'}"
+    job.upload = upload_file(shared.store.uploads, footage, name).id
+    footage.unlink()
+    if spec.analyze is not None and spec.pad is not None:
+        new = NewFlight.model_validate(
+            {
+                "uploads": [job.upload],
+                "pad": spec.pad,
+                "camera": spec.camera,
+                "method": spec.analyze,
+                "name": job.name,
+            }
+        )
+        job.flight = order_flight(new, shared).id

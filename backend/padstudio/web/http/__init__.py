@@ -1,0 +1,1 @@
+"""What all of HTTP shares: errors, security, resumable uploads."""

@@ -1,0 +1,125 @@
+"""The pages: each is a template with a small dataclass as its context."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fastapi import APIRouter, Request
+from fastapi.templating import Jinja2Templates
+from starlette.responses import RedirectResponse, Response
+
+from padstudio import __version__, resources
+from padstudio.web.pages import charts
+from padstudio.web.server.services import ItemId
+from padstudio.web.server.settings import Settings
+
+router = APIRouter(include_in_schema=False)
+router.include_router(charts.router)
+templates = Jinja2Templates(directory=resources.web_folder("templates"))
+
+# A page changes with the program alone; the browser asks each time whether it has.
+_HEADERS = {"Cache-Control": "no-cache"}
+
+
+@dataclass(frozen=True)
+class Page:
+    """Context of a page of the studio.
+
+    Attributes
+    ----------
+    name : str
+        ``design``, ``plan``, ``diagnose`` or ``flights``; also the template's name.
+    version : str
+    max_upload_bytes, max_image_pixels : int
+        Limits to check before a picture is sent.
+    max_window, max_levels, max_cells : int
+        Bounds of the form of a new pad.
+    """
+
+    name: str
+    max_upload_bytes: int
+    max_image_pixels: int
+    max_window: int
+    max_levels: int
+    max_cells: int
+    version: str = __version__
+
+
+@dataclass(frozen=True)
+class FlightPage:
+    """Context of the page of one flight.
+
+    Attributes
+    ----------
+    plotly : str
+        Address of the script that draws the figures.
+    """
+
+    plotly: str = charts.SCRIPT_URL
+    name: str = "flight"
+    version: str = __version__
+
+
+@dataclass(frozen=True)
+class ErrorPage:
+    """Context of the error page."""
+
+    status: int
+    title: str
+    message: str
+    name: str = "error"
+    version: str = __version__
+
+
+@router.get("/")
+def home() -> Response:
+    return RedirectResponse("/design", 307, headers=_HEADERS)
+
+
+@router.get("/design")
+def design(request: Request) -> Response:
+    return _page(request, "design")
+
+
+@router.get("/plan")
+def plan(request: Request) -> Response:
+    return _page(request, "plan")
+
+
+@router.get("/diagnose")
+def diagnose(request: Request) -> Response:
+    return _page(request, "diagnose")
+
+
+@router.get("/flights")
+def flights(request: Request) -> Response:
+    return _page(request, "flights")
+
+
+@router.get("/flights/{flight_id}")
+def flight(request: Request, flight_id: ItemId) -> Response:
+    headers = _HEADERS | {"Content-Security-Policy": charts.CHARTS_POLICY}
+    return templates.TemplateResponse(
+        request, "flight.html", {"page": FlightPage()}, headers=headers
+    )
+
+
+def error_page(request: Request, status: int, title: str, message: str) -> Response:
+    """The page that says why another cannot be shown."""
+    page = ErrorPage(status, title, message[:1].upper() + message[1:])
+    return templates.TemplateResponse(
+        request, "error.html", {"page": page}, status, headers={"Cache-Control": "no-store"}
+    )
+
+
+def _page(request: Request, name: str) -> Response:
+    settings: Settings = request.app.state.settings
+    page = Page(
+        name,
+        settings.max_upload_bytes,
+        settings.max_image_pixels,
+        settings.max_window,
+        settings.max_levels,
+        settings.max_cells,
+    )
+    return templates.TemplateResponse(request, f"{name}.html", {"page": page}, headers=_HEADERS)

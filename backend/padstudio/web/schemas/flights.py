@@ -1,0 +1,258 @@
+"""What requests for flights and their answers look like."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from padstudio.web.schemas.base import DETECTION_EXAMPLE, ErrorInfo, StageInfo
+
+_ID = "5d2f0a91c3b7e846"
+ORDER_EXAMPLE: dict[str, Any] = {
+    "uploads": ["8c1e3b5f7a902d46"],
+    "pad": "3f0c5a9e1b7d2468",
+    "camera": "preset-dji-mini-27k",
+    "method": "dense",
+    "params": {"refine": {"most_borders": 1500}},
+    "first_frame": 0,
+    "end_frame": None,
+    "stride": 1,
+    "name": "morning landing",
+}
+FLIGHT_EXAMPLE: dict[str, Any] = {
+    "id": _ID,
+    "name": "morning landing",
+    "state": "running",
+    "created_at": "2026-05-04T09:30:00Z",
+    "started_at": "2026-05-04T09:30:01Z",
+    "finished_at": None,
+    "frames_total": 5400,
+    "frames_done": 1200,
+    "frames_ok": 1187,
+    "progress": 0.2222,
+    "error": None,
+    "rerun_of": None,
+    "request": {
+        "pad_id": "3f0c5a9e1b7d2468",
+        "pad_name": "helipad",
+        "camera_id": "preset-dji-mini-27k",
+        "camera_name": "DJI Mini 2, 2.7K video",
+        "method": "dense",
+        "params": {},
+        "first_frame": 0,
+        "end_frame": None,
+        "stride": 1,
+        "apply_rotation": True,
+    },
+}
+SOURCE_EXAMPLE: dict[str, Any] = {
+    "upload": "8c1e3b5f7a902d46",
+    "kind": "video",
+    "name": "DJI_0042.MP4",
+    "first_frame": 0,
+    "frames": 5400,
+    "start_s": 0.0,
+    "video": {
+        "container": "mov,mp4,m4a,3gp,3g2,mj2",
+        "codec": "h264",
+        "pixel_format": "yuv420p",
+        "width": 2720,
+        "height": 1530,
+        "rotation_deg": 0,
+        "frames": 5400,
+        "frames_declared": 5400,
+        "duration_s": 180.18,
+        "fps": 29.97,
+        "variable_rate": False,
+        "damage": [],
+    },
+}
+FRAME_EXAMPLE: dict[str, Any] = {
+    **DETECTION_EXAMPLE["result"],
+    "source": "DJI_0042.MP4",
+    "frame": 412,
+    "time_s": 13.747,
+}
+SUMMARY_EXAMPLE: dict[str, Any] = {
+    "frames": 60,
+    "ok": 58,
+    "share_ok": 0.9667,
+    "longest_gap": {"first_frame": 3, "last_frame": 4, "frames": 2, "seconds": 0.1},
+    "stages": {"decode": 2},
+    "reasons": {"unknown_code": 2},
+    "layers": {"red": 50, "blue": 8},
+    "damaged": 0,
+}
+TELEMETRY_EXAMPLE: dict[str, Any] = {
+    "time_s": [0.0, 0.033],
+    "frame": [1, 2],
+    "height_m": [1.3, 1.2],
+    "altitude_m": [65.2, 65.1],
+    "latitude_deg": [47.1, 47.1],
+    "longitude_deg": [8.5, 8.5],
+    "clock": ["2026-05-04 09:12:01.120", "2026-05-04 09:12:01.153"],
+    "unread": 0,
+}
+_BASE = f"/api/v1/flights/{_ID}/frames/412/pictures/"
+STAGES_EXAMPLE: dict[str, Any] = {
+    "frame": 412,
+    "result": FRAME_EXAMPLE,
+    "picture": f"{_BASE}frame.webp",
+    "result_picture": f"{_BASE}result.webp",
+    "stages": [
+        {
+            "name": "edges",
+            "channel": "red",
+            "elapsed_ms": 3.2,
+            "failure": None,
+            "picture": f"{_BASE}edges.webp?channel=red",
+            "thumbnail": f"{_BASE}edges.webp?channel=red&width=480",
+        }
+    ],
+}
+
+
+def _example(
+    value: dict[str, Any], extra: Literal["ignore", "allow", "forbid"] = "ignore"
+) -> ConfigDict:
+    return ConfigDict(json_schema_extra={"examples": [value]}, extra=extra)
+
+
+class FlightSettings(BaseModel):
+    """How frames are read; what is left out keeps its default, or the first run's value."""
+
+    model_config = _example({"method": "paper", "stride": 2}, extra="forbid")
+
+    name: str | None = Field(None, min_length=1, max_length=200)
+    pad: str | None = Field(None, max_length=64, description="Id of a stored pad.")
+    camera: str | None = Field(None, max_length=64, description="Id of a camera or preset.")
+    method: Literal["dense", "paper"] | None = None
+    params: dict[str, Any] | None = Field(
+        None, description="Detector parameters by group and name, as docs/flights.md lists them."
+    )
+    first_frame: int | None = Field(None, ge=0, le=2**31 - 1)
+    end_frame: int | None = Field(
+        None, ge=1, le=2**31 - 1, description="First frame that is not read; null: the end."
+    )
+    stride: int | None = Field(None, ge=1, le=100_000, description="Read every n-th frame.")
+    apply_rotation: bool | None = Field(
+        None, description="Turn videos as their rotation flag says; so by default."
+    )
+
+
+class NewFlight(FlightSettings):
+    """An analysis of uploads."""
+
+    model_config = _example(ORDER_EXAMPLE, extra="forbid")
+
+    uploads: list[str] = Field(
+        min_length=1,
+        max_length=10_000,
+        description="Ids of complete uploads in the order of their frames: videos, one of them "
+        "with a telemetry file beside it, or stills and zips of stills.",
+    )
+    pad: str = Field(max_length=64, description="Id of a stored pad.")
+    camera: str = Field(max_length=64, description="Id of a camera or preset.")
+
+
+class Flight(BaseModel):
+    """A flight and how far it is."""
+
+    model_config = _example(FLIGHT_EXAMPLE)
+
+    id: str
+    name: str
+    state: Literal["queued", "running", "done", "failed", "cancelled"]
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    frames_total: int | None = Field(description="null until the uploads were looked into.")
+    frames_done: int
+    frames_ok: int
+    progress: float = Field(description="From 0 to 1.")
+    error: ErrorInfo | None
+    notice: str | None = Field(None, description="Why the work does not go on at present.")
+    rerun_of: str | None = Field(description="The flight that this one runs again.")
+    request: dict[str, Any]
+
+
+class FlightDetail(Flight):
+    """A flight with what its uploads hold."""
+
+    model_config = _example({**FLIGHT_EXAMPLE, "sources": [SOURCE_EXAMPLE], "telemetry": False})
+
+    sources: list[dict[str, Any]]
+    telemetry: bool = Field(description="There is telemetry, beside or inside the video.")
+
+
+class FlightList(BaseModel):
+    model_config = _example({"items": [FLIGHT_EXAMPLE], "total": 1})
+
+    items: list[Flight]
+    total: int
+
+
+class FrameResult(BaseModel):
+    """A line of a poses file; ``covariance`` is the upper triangle by rows."""
+
+    model_config = _example(FRAME_EXAMPLE, extra="allow")
+
+    source: str
+    frame: int
+    time_s: float | None
+    status: Literal["ok", "failed"]
+
+
+class FramePage(BaseModel):
+    """Frames in the order of their numbers."""
+
+    model_config = _example({"items": [FRAME_EXAMPLE], "next_after": 412})
+
+    items: list[FrameResult]
+    next_after: int | None = Field(description="`after` of the next page; null: there is none.")
+
+
+class FlightSummary(BaseModel):
+    """Figures over all frames that have a result."""
+
+    model_config = _example(SUMMARY_EXAMPLE)
+
+    frames: int
+    ok: int
+    share_ok: float | None
+    longest_gap: dict[str, Any] | None
+    stages: dict[str, int] = Field(description="First failing stage: frames.")
+    reasons: dict[str, int]
+    layers: dict[str, int]
+    damaged: int = Field(
+        description="Frames for which the decoder had to fill in for missing data."
+    )
+
+
+class TelemetryColumns(BaseModel):
+    """What the camera wrote of the flight, in columns of equal length."""
+
+    model_config = _example(TELEMETRY_EXAMPLE)
+
+    time_s: list[float]
+    frame: list[int | None]
+    height_m: list[float | None]
+    altitude_m: list[float | None]
+    latitude_deg: list[float | None]
+    longitude_deg: list[float | None]
+    clock: list[str | None]
+    unread: int = Field(description="Subtitles of no known form.")
+
+
+class FrameStages(BaseModel):
+    """A frame's stages, with the addresses of their pictures."""
+
+    model_config = _example(STAGES_EXAMPLE)
+
+    frame: int
+    result: FrameResult
+    picture: str = Field(description="The frame itself.")
+    result_picture: str = Field(description="The frame with what was found in it.")
+    stages: list[StageInfo]

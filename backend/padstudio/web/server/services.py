@@ -1,0 +1,104 @@
+"""What the routers share: the settings, the store, the workers."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Annotated, Any, TypeVar
+from urllib.parse import quote
+
+from fastapi import Depends, Path, Request
+
+from padstudio.errors import LimitError
+from padstudio.flights.desk import FlightDesk
+from padstudio.store.store import Store
+from padstudio.vision import warm
+from padstudio.web.schemas.base import ErrorBody
+from padstudio.web.server.settings import Settings
+from padstudio.web.server.simulation_desk import SimulationDesk
+from padstudio.web.server.turns import Turns
+from padstudio.workers import detection, pads
+from padstudio.workers.pool import WorkerPool
+
+ResultT = TypeVar("ResultT")
+Analyze = Callable[[detection.Job], dict[str, Any]]
+
+_SMALL_PAD = {"rows": 10, "cols": 10, "ratio": 1}
+
+
+@dataclass(frozen=True)
+class Services:
+    """What a running server has.
+
+    Attributes
+    ----------
+    settings : Settings
+    store : Store
+    pool : WorkerPool
+    flights : FlightDesk
+    analyze : callable
+        `padstudio.workers.detection.analyze`, or what stands in for it.
+    turns : Turns
+        At uploads.
+    simulations : SimulationDesk
+    painting : dict
+        Pictures of frames that are being made, by name.
+    """
+
+    settings: Settings
+    store: Store
+    pool: WorkerPool
+    flights: FlightDesk
+    analyze: Analyze
+    turns: Turns = field(default_factory=Turns)
+    simulations: SimulationDesk = field(default_factory=SimulationDesk)
+    painting: dict[str, asyncio.Future[list[dict[str, Any]]]] = field(default_factory=dict)
+
+    async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
+        """Call a function in a worker process; raises as `WorkerPool.submit` and its future."""
+        return await asyncio.wrap_future(self.pool.submit(function, *args, timeout_s=timeout_s))
+
+    def warm_up(self) -> None:
+        """Start workers on a small pad, so that the first user does not wait for their imports."""
+        self.pool.submit(pads.generate, _SMALL_PAD, 30.0, timeout_s=60.0)
+        self.pool.submit(warm.warm_up, timeout_s=60.0)
+
+
+def services(request: Request) -> Services:
+    """The services of the app that a request came to."""
+    value: Services = request.app.state.services
+    return value
+
+
+Shared = Annotated[Services, Depends(services)]
+ItemId = Annotated[str, Path(pattern=r"^[A-Za-z0-9-]{1,64}$", examples=["3f0c5a9e1b7d2468"])]
+
+#: Errors that any route may answer with.
+ERRORS: dict[int | str, dict[str, Any]] = {
+    status: {"model": ErrorBody, "description": description}
+    for status, description in {
+        400: "The body cannot be read.",
+        401: "The token is missing or wrong.",
+        403: "From another site or under another host name.",
+        404: "There is no such thing.",
+        409: "Contradicts what is stored.",
+        413: "Beyond a limit.",
+        422: "A value or file is wrong.",
+        503: "Busy; try again.",
+    }.items()
+}
+
+
+def attachment(name: str, suffix: str) -> dict[str, str]:
+    """The header that makes a browser save an answer under a name (RFC 6266)."""
+    full = "".join(c if c.isalnum() or c in " -_" else "_" for c in name).strip() or "pad"
+    plain = full.encode("ascii", "replace").decode().replace("?", "_")
+    value = f"attachment; filename=\"{plain}{suffix}\"; filename*=UTF-8''{quote(full + suffix)}"
+    return {"Content-Disposition": value}
+
+
+def check_size(size: int | None, limit: int, word: str) -> None:
+    """Raise `LimitError` where a file is beyond its limit."""
+    if size is not None and size > limit:
+        raise LimitError(f"the {word} is {size / 1e6:.1f} MB; the limit is {limit / 1e6:g} MB")

@@ -1,0 +1,106 @@
+"""Simulates a flight in a worker process, into a folder that the server watches."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from padstudio.errors import ConflictError
+from padstudio.geometry import camera_files
+from padstudio.simulate import looks, trajectories, writer
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.workers.frames import check_pixels, dressed_scene
+
+#: In the folder: pictures, truth, pad and camera; the footage alone; frames done; asked to stop.
+ARCHIVE, FOOTAGE, DONE, STOP = "flight.zip", "footage", "done", "stop"
+
+
+def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
+    """Refuse what cannot be simulated, before anything is rendered.
+
+    Raises
+    ------
+    SpecError, LimitError
+        As `padstudio.simulate.trajectories.plan` and `check_flight`.
+    """
+    the_camera = camera_files.loads(camera)
+    check_pixels(the_camera, max_pixels)
+    trajectories.check_flight(_course(spec), the_camera)
+    looks.dress(Scene(pad=None, ground=spec["ground"]), spec["look"], seed=spec["seed"])
+
+
+def simulate_flight(
+    spec: Mapping[str, Any], pad: str | None, camera: str, video: bool, folder: Path
+) -> None:
+    """Render a flight.
+
+    Parameters
+    ----------
+    spec : mapping
+        Fields of `padstudio.web.schemas.simulations.SimulationSpec`.
+    pad, camera : str
+        The content of a pad file, None for bare ground, and of a camera file.
+    video : bool
+        One MP4 rather than a zip of stills.
+    folder : Path
+        Takes `ARCHIVE`, `FOOTAGE` and, while frames are rendered, `DONE`.
+
+    Raises
+    ------
+    ConflictError
+        Where `STOP` appears in the folder.
+    SpecError, LimitError
+        As `padstudio.simulate.writer.write_flight`.
+    """
+    scene, imaging = dressed_scene(spec, pad)
+    written = folder / "flight"
+    writer.write_flight(
+        written,
+        _course(spec),
+        scene,
+        camera_files.loads(camera),
+        imaging,
+        video=video,
+        codec=spec["codec"],
+        seed=spec["seed"],
+        progress=_reporter(folder),
+    )
+    _pack(written, folder / ARCHIVE, "*")
+    if video:
+        next(written.glob("flights/*.mp4")).replace(folder / FOOTAGE)
+    else:
+        _pack(written / "stills", folder / FOOTAGE, "*.[jp][pn]g")
+    shutil.rmtree(written)
+
+
+def frames_done(folder: Path) -> int:
+    """How many frames a folder's flight has."""
+    try:
+        return int((folder / DONE).read_text() or 0)
+    except FileNotFoundError:
+        return 0
+
+
+def _course(spec: Mapping[str, Any]) -> trajectories.Flight:
+    names = ("frames", "from_mm", "to_mm", "fps", "seed", "sway")
+    return trajectories.plan(spec["flight"], **{name: spec[name] for name in names})
+
+
+def _reporter(folder: Path) -> Callable[[int], None]:
+    def report(done: int) -> None:
+        if (folder / STOP).exists():
+            raise ConflictError("the simulation was stopped", code="cancelled")
+        (folder / DONE).write_text(str(done))
+
+    return report
+
+
+def _pack(folder: Path, archive: Path, pattern: str) -> None:
+    # Pictures and videos are compressed as they are.
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as pack:
+        for path in sorted(folder.rglob(pattern)):
+            if path.is_file():
+                pack.write(path, path.relative_to(folder))

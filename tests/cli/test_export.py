@@ -1,0 +1,107 @@
+import io
+import json
+import shutil
+import zipfile
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from test_cli import assert_one_line_error, run
+
+from padstudio.geometry.pose import look_at_pad
+from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+
+ROOT = Path(__file__).parents[1]
+SAMPLES = ROOT / "samples"
+LANDING = ROOT / "tests" / "footage" / "flights" / "landing.mp4"
+HEIGHTS = (900.0, 700.0, 500.0)
+
+
+@pytest.fixture
+def poses(tmp_path, monkeypatch):
+    """A poses file of a failed frame and three poses, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    failure = StageFailure("lines", Reason.NO_LATTICE, "3 lines", "go closer")
+    found = [Detection(None, failure)]
+    found += [Detection(look_at_pad(height), layer="red") for height in HEIGHTS]
+    lines = [
+        json.dumps(detection.to_record("landing.mp4", frame=2 * k, time_s=k / 15))
+        for k, detection in enumerate(found)
+    ]
+    path = tmp_path / "poses.jsonl"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def export(*arguments):
+    return run("export", *arguments)
+
+
+def test_a_trajectory_goes_to_stdout(poses):
+    result = export(poses, "--form", "tum", "--start-unix-s", "100")
+    table = np.loadtxt(io.StringIO(result.stdout))
+    assert (table[:, 3] * 1000).tolist() == pytest.approx(HEIGHTS)
+    assert table[0, 0] == pytest.approx(100 + 1 / 15, abs=1e-6)
+
+
+def test_a_model_goes_to_a_file(poses):
+    result = export(poses, "--form", "colmap", "--camera", SAMPLES / "camera.yaml", "-o", "a.zip")
+    assert "a.zip: 4 frames as colmap" in result.stderr
+    with zipfile.ZipFile("a.zip") as archive:
+        assert "landing/000002.png" in archive.read("images.txt").decode()
+    again = export(poses, "--form", "csv", "-o", "a.zip")
+    assert_one_line_error(again, "file_exists")
+    assert export(poses, "--form", "csv", "-o", "a.zip", "--force").exit_code == 0
+    assert Path("a.zip").read_text().startswith("source,frame")
+
+
+def test_frames_of_a_video_go_into_a_log(poses):
+    shutil.copy(LANDING, "landing.mp4")
+    camera = ROOT / "tests" / "footage" / "camera_drone_2k7.yaml"
+    arguments = ("--camera", camera, "--pad", SAMPLES / "pad.json", "--images", "-o", "a.mcap")
+    assert export(poses, "--form", "mcap", *arguments).exit_code == 0
+    with open("a.mcap", "rb") as file:
+        found = [
+            (json.loads(message.data), message.log_time)
+            for _, _, message in make_reader(file).iter_messages(topics=["/camera/image"])
+        ]
+    assert [time for _, time in found] == [round(k / 15 * 1e9) for k in range(4)]
+    assert {message["format"] for message, _ in found} == {"jpeg"}
+    assert len({message["data"] for message, _ in found}) == 4
+
+
+def test_stills_go_into_a_log_as_far_as_they_are_there(poses):
+    cv2.imwrite("a.png", np.zeros((20, 30, 3), np.uint8))
+    names = ("a.png", "missing.png")
+    lines = [Detection(look_at_pad(500), layer="red").to_record(name) for name in names]
+    poses.write_text("\n".join(map(json.dumps, lines)))
+    arguments = ("--form", "mcap", "--camera", SAMPLES / "camera.yaml", "--images")
+    assert export(poses, *arguments, "-o", "a.mcap").exit_code == 0
+    with open("a.mcap", "rb") as file:
+        topics = [channel.topic for _, channel, _ in make_reader(file).iter_messages()]
+    assert (topics.count("/camera/image"), topics.count("/tf")) == (1, 2)
+
+
+def test_landing_targets(poses):
+    assert_one_line_error(export(poses, "--form", "px4"), "vehicle_pose_required")
+    track = "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n0,0,0,-1,1,0,0,0\n0.3,0,0,-1,1,0,0,0\n"
+    Path("v.csv").write_text(track)
+    arguments = ("--vehicle", "v.csv", "--forward-m", "0.1", "-o", "a.tlog")
+    assert export(poses, "--form", "px4", *arguments).exit_code == 0
+    assert Path("a.tlog").stat().st_size > 100
+
+
+def test_a_fault_in_the_last_line_leaves_no_file(poses):
+    with poses.open("a") as file:
+        file.write("{}\n")
+    result = export(poses, "--form", "csv", "-o", "a.csv")
+    assert_one_line_error(result, "invalid_poses_file")
+    assert not Path("a.csv").exists()
+
+
+def test_what_is_not_there(poses):
+    assert_one_line_error(export("no.jsonl", "--form", "csv"), "os_error")
+    assert_one_line_error(export(poses, "--form", "kml"), "usage")
+    assert_one_line_error(export(poses, "--form", "mcap"), "camera_required")

@@ -1,0 +1,190 @@
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import padstudio
+from padstudio import Pad
+from padstudio.cli import support
+from padstudio.cli.program import app
+from padstudio.errors import StudioError
+
+# Wide enough that no option of a help text is broken over lines.
+ENVIRONMENT = {"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"}
+
+
+def run(*arguments):
+    return CliRunner(env=ENVIRONMENT).invoke(app, [str(a) for a in arguments])
+
+
+def assert_one_line_error(result, code, exit_code=2):
+    assert result.exit_code == exit_code
+    assert result.stderr.startswith("error: ")
+    assert result.stderr.endswith(f" ({code})\n")
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
+
+
+def test_version():
+    result = run("--version")
+    assert (result.exit_code, result.stdout) == (0, f"padstudio {padstudio.__version__}\n")
+
+
+@pytest.mark.parametrize("command", ["generate", "detect", "serve"])
+def test_help_shows_examples(command):
+    result = run(command, "--help")
+    assert result.exit_code == 0
+    assert f"Examples: padstudio {command}" in result.stdout
+
+
+def test_help_lists_the_commands():
+    result = run("-h")
+    for command in ("generate", "detect", "cameras", "serve"):
+        assert f" {command} " in result.stdout
+
+
+def test_without_arguments_the_help_is_shown():
+    result = run()
+    assert result.exit_code == 2
+    assert result.output.count("Usage:") == 1
+    assert "error" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["fly"],
+        ["generate"],
+        ["generate", "-o", "x.json", "--window", "many"],
+        ["generate", "-o", "x.json", "--unique", "maybe"],
+        ["generate", "-o", "x.json", "--cells", "1x2x3"],
+        ["generate", "-o", "x.json", "--cells", "-4"],
+        ["serve", "--port", "70000"],
+    ],
+)
+def test_a_wrong_command_line_is_one_line(arguments):
+    assert_one_line_error(run(*arguments), "usage")
+
+
+def test_generate_writes_a_pad(tmp_path):
+    path = tmp_path / "pad.json"
+    result = run(
+        *("generate", "-o", path, "--cells", "20x30", "--ratio", "2", "--cell-mm", "8"),
+        *("--quiet-mm", "12", "--distance", "1", "--name", "garden"),
+    )
+    assert result.exit_code == 0, result.stderr
+    pad = Pad.load(path)
+    assert [(la.channel, la.rows, la.cols, la.cell_mm) for la in pad.layers] == [
+        ("red", 20, 30, 8),
+        ("blue", 10, 15, 16),
+    ]
+    assert (pad.name, pad.quiet_mm, pad.seed) == ("garden", 12, 1)
+    assert result.stderr == f"{path}: 240 mm x 160 mm, red 20 x 30, blue 10 x 15\n"
+
+
+def test_generate_gives_the_same_pad_for_the_same_seed(tmp_path):
+    texts = []
+    for name, seed in (("a", 5), ("b", 5), ("c", 6)):
+        options = ("--cells", "15", "--ratio", "1", "--distance", "1", "--seed", seed)
+        assert run("generate", "-o", tmp_path / name, *options).exit_code == 0
+        texts.append((tmp_path / name).read_text(encoding="utf-8"))
+    assert texts[0] == texts[1]
+    assert json.loads(texts[0])["layers"] != json.loads(texts[2])["layers"]
+
+
+def test_generate_refuses_what_cannot_be(tmp_path):
+    path = tmp_path / "pad.json"
+    assert_one_line_error(run("generate", "-o", path, "--window", "40"), "invalid_spec")
+    assert not path.exists()
+
+
+def test_generate_does_not_write_over_a_file(tmp_path):
+    path = tmp_path / "pad.json"
+    path.write_text("precious")
+    options = ("generate", "-o", path, "--cells", "10", "--ratio", "1", "--distance", "1")
+    assert_one_line_error(run(*options), "file_exists")
+    assert path.read_text() == "precious"
+    assert run(*options, "--force").exit_code == 0
+    assert Pad.load(path).layers[0].rows == 10
+
+
+def test_generate_into_a_folder_that_is_not_there(tmp_path):
+    result = run("generate", "-o", tmp_path / "gone" / "pad.json")
+    assert_one_line_error(result, "not_found")
+
+
+def test_cameras_shows_the_whole_ids():
+    result = CliRunner(env=ENVIRONMENT | {"COLUMNS": "60"}).invoke(app, ["cameras"])
+    assert result.exit_code == 0
+    assert "preset-dji-phantom-4-pro-still" in result.stdout
+    assert "nominal" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("error", "exit_code", "line"),
+    [
+        (StudioError("it\nbroke", code="broken"), 2, "error: it broke (broken)\n"),
+        (PermissionError(13, "Permission denied", "pad.json"), 2, None),
+        (
+            ZeroDivisionError("division by zero"),
+            70,
+            "error: a defect of the program: ZeroDivisionError: division by zero; set "
+            "PADSTUDIO_DEBUG=1 to see where (internal_error)\n",
+        ),
+        (KeyboardInterrupt(), 130, None),
+    ],
+)
+def test_any_error_is_one_line(monkeypatch, tmp_path, error, exit_code, line):
+    def fail(*_arguments, **_options):
+        raise error
+
+    monkeypatch.setattr("padstudio.pad.coding.generate.generate_pad", fail)
+    result = run("generate", "-o", tmp_path / "pad.json")
+    assert result.exit_code == exit_code
+    assert "Traceback" not in result.stderr
+    if line:
+        assert result.stderr == line
+    else:
+        assert result.stderr.strip().count("\n") == 0
+
+
+def test_a_defect_shows_its_place_on_request(monkeypatch, tmp_path):
+    monkeypatch.setenv("PADSTUDIO_DEBUG", "1")
+    monkeypatch.setattr("padstudio.pad.coding.generate.generate_pad", lambda **_: 1 / 0)
+    result = run("generate", "-o", tmp_path / "pad.json")
+    assert "Traceback" in result.stderr
+    assert result.exit_code == 70
+
+
+def test_a_camera_file_wins_over_a_presets_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    preset = support.load_camera("preset-webcam-c270")
+    assert preset.nominal
+    support.load_camera("preset-webcam-c920").save("preset-webcam-c270")
+    assert support.load_camera("preset-webcam-c270").width == 1920
+
+
+def test_the_installed_program():
+    program = Path(sys.executable).with_name("padstudio")
+    environment = os.environ | ENVIRONMENT
+    done = subprocess.run([program, "--version"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, f"padstudio {padstudio.__version__}\n")
+    done = subprocess.run(
+        [program, "fly"], capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 2
+    assert done.stderr == "error: No such command 'fly'; see padstudio --help (usage)\n"
+
+
+def test_help_needs_no_opencv():
+    code = (
+        "import sys, padstudio.cli.program; "
+        "heavy = {'cv2', 'numpy', 'numba', 'fastapi', 'rich.table', 'reportlab'}; "
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
