@@ -1,10 +1,10 @@
 """Holds the documents to the code."""
 
 import re
-from pathlib import Path
 
 import pytest
 import typer.main
+from places import ROOT
 
 from padstudio.cli.program import app
 from padstudio.geometry.pose import look_at_pad
@@ -12,7 +12,6 @@ from padstudio.pad import files
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.stage.detection import STAGES, Detection, Reason, StageFailure
 
-ROOT = Path(__file__).parents[1]
 CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
 ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")

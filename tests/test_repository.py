@@ -3,11 +3,10 @@
 import re
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
+from places import ROOT
 
-ROOT = Path(__file__).parents[1]
 TEXT = {"", ".cfg", ".css", ".html", ".js", ".json", ".md", ".mako", ".py", ".sh", ".svg"}
 TEXT |= {".toml", ".txt", ".yaml", ".yml", ".lock"}
 

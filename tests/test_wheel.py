@@ -10,8 +10,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-
-ROOT = Path(__file__).parents[1]
+from places import ROOT
 
 
 @pytest.fixture(scope="module")

@@ -31,9 +31,9 @@ __all__ = [
 
 _HOMES = {
     "Camera": "geometry.camera",
-    "Detection": "vision.types",
-    "Detector": "vision.pipeline",
-    "DetectorParams": "vision.params",
+    "Detection": "vision.stage.detection",
+    "Detector": "vision.detector",
+    "DetectorParams": "vision.stage.params",
     "Layer": "pad.spec",
     "Pad": "pad.spec",
     "Pose": "geometry.pose",

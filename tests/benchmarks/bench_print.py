@@ -24,9 +24,10 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-import padstudio
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from measure_print import edge_errors_mm, make_pad, pages
+
+import padstudio
 from padstudio.pad.layout import layout
 from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render import documents

@@ -12,8 +12,7 @@ import pytest
 from browser_support import PAD_FILE, Complaints
 from flight_footage import FLIGHT_CAMERA, order_flight, write_flight
 from playwright.sync_api import Browser, Page, expect, sync_playwright
-
-from web.web_server import running, settings_for
+from web_server import running, settings_for
 
 LIMITS = {
     "max_upload_bytes": 3_000_000,

@@ -4,13 +4,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_cli import assert_one_line_error, run
+from command_line import assert_one_line_error, run
+from places import ROOT
 
 from padstudio.flights import batch
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.stage.detection import Detection, Reason, StageFailure
 
-ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"
 GIVEN = ("--pad", SAMPLES / "pad.json", "--camera", SAMPLES / "camera.yaml")
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from command_line import assert_one_line_error, run
 from mcap.reader import make_reader
-from test_cli import assert_one_line_error, run
+from places import ROOT
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.stage.detection import Detection, Reason, StageFailure
 
-ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"
 LANDING = ROOT / "tests" / "footage" / "flights" / "landing.mp4"
 HEIGHTS = (900.0, 700.0, 500.0)

@@ -1,13 +1,12 @@
 import json
 import os
-from pathlib import Path
 
 import pytest
+from places import ROOT
 
 from padstudio.flights import batch
 from padstudio.flights.tasks.detectors import Recipe
 
-ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "samples"
 FOOTAGE = ROOT / "tests" / "footage"
 LANDING = FOOTAGE / "flights" / "landing.mp4"

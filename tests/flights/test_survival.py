@@ -12,10 +12,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import desk_process
 import flight_orders
 import psutil
 import videos
-from desk_process import open_desk
 
 from padstudio.store.store import Store
 
@@ -26,7 +26,7 @@ PATIENCE_S = 900
 def order_flights(data: Path, video: Path) -> None:
     store = Store(data)
     upload = flight_orders.upload(store, video)
-    desk = open_desk(store, data)
+    desk = desk_process.open_desk(store, data)
     for _ in range(FLIGHTS):
         desk.order(flight_orders.order(upload))
     store.close()
@@ -34,7 +34,7 @@ def order_flights(data: Path, video: Path) -> None:
 
 @contextlib.contextmanager
 def server(data: Path, end: signal.Signals) -> Iterator[psutil.Process]:
-    script = Path(__file__).with_name("desk_process.py")
+    script = Path(desk_process.__file__)
     process = subprocess.Popen([sys.executable, str(script), str(data)], cwd=script.parent)
     watched = psutil.Process(process.pid)
     try:

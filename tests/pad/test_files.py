@@ -1,16 +1,16 @@
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from places import FOOTAGE
 
 from padstudio.errors import PadFormatError
 from padstudio.pad import files
 from padstudio.pad.spec import CHANNELS, Layer, Pad
 
-FOOTAGE_PAD = Path(__file__).parents[1] / "footage" / "pad_a.json"
+FOOTAGE_PAD = FOOTAGE / "pad_a.json"
 
 
 @st.composite

@@ -8,9 +8,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-
 from measure_print import assemble, pages
+from numpy.typing import NDArray
+from places import FOOTAGE
+
 from padstudio import Camera, Detector, Pad, Pose
 from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render.painters.options import PrintOptions
@@ -18,7 +19,6 @@ from padstudio.render.pdf.sheets import write_sheets
 from padstudio.simulate.radiance.inks import Inks
 from padstudio.simulate.sensor import Imaging, expose
 
-FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 DPI = 80
 SCALE = DPI / 25.4
 CAMERA = Camera(1360, 765, np.array([[943.0, 0, 679.5], [0, 943.0, 382.0], [0, 0, 1]]))

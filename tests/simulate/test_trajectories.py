@@ -4,11 +4,11 @@ import json
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from places import TESTS
 
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
@@ -30,7 +30,7 @@ from padstudio.simulate.trajectories import wandering_path as path_of
 from padstudio.simulate.video_writer import VideoWriter
 from padstudio.simulate.writer import write_flight
 
-SCORE = Path(__file__).parents[1] / "benchmarks" / "score.py"
+SCORE = TESTS / "benchmarks" / "score.py"
 
 
 def camera(width=160, height=120):

@@ -9,10 +9,11 @@ from typing import Any
 
 import httpx
 import pytest
+from places import DOCS
 
 from padstudio import errors
 
-DOCS = Path(__file__).parents[2] / "docs" / "rest.md"
+PAGE = DOCS / "rest.md"
 METHODS = ("get", "post", "put", "patch", "delete")
 
 
@@ -38,7 +39,7 @@ def _has_example(openapi: dict[str, Any], content: dict[str, Any]) -> bool:
 
 
 def test_every_route_stands_in_the_table_under_its_name(openapi: dict[str, Any]) -> None:
-    rows = re.findall(r"^\| `(\w+) (/\S+)` \| `(\w+)` \| .+ \|$", DOCS.read_text(), re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+) (/\S+)` \| `(\w+)` \| .+ \|$", PAGE.read_text(), re.MULTILINE)
     routes = [(method, path, op["operationId"]) for method, path, op in _operations(openapi)]
     assert sorted(rows) == sorted(routes)
 
@@ -74,7 +75,7 @@ def test_examples_of_bodies_are_accepted(studio: httpx.Client, openapi: dict[str
 
 
 def test_error_codes_of_the_table_exist() -> None:
-    table = DOCS.read_text().split("## Errors")[1].split("## ")[0]
+    table = PAGE.read_text().split("## Errors")[1].split("## ")[0]
     documented = {
         (int(status), code)
         for status, codes in re.findall(r"^\| (\d{3}) \| (.+?) \|", table, re.MULTILINE)

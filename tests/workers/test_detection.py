@@ -7,11 +7,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from places import FOOTAGE
 
 from padstudio.errors import CameraMismatchError, ImageError
 from padstudio.workers.detection import THUMBNAIL_WIDTH_PX, Job, analyze, save_picture
 
-FOOTAGE = Path(__file__).parents[1] / "footage"
 STILL = "a_blur1_450.jpg"
 
 

@@ -18,7 +18,7 @@ from padstudio.errors import SpecError
 from padstudio.flights.cluster.engine import Engine, EngineOptions
 from padstudio.flights.cluster.task import Outcome, Task
 
-HERE = Path(__file__).parent
+HERE = Path(engine_jobs.__file__).parent
 
 
 class Desk:

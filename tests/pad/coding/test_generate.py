@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from windows import lines_visible, nearest_distances
 
-from pad.windows import lines_visible, nearest_distances
 from padstudio.errors import SearchCancelledError, SpecError
 from padstudio.pad.coding.generate import (
     FieldSearchError,

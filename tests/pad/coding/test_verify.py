@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from windows import all_windows, lines_visible, nearest_distances
 
-from pad.windows import all_windows, lines_visible, nearest_distances
 from padstudio.errors import SpecError
 from padstudio.pad.coding.verify import least_distance, verify_field
 

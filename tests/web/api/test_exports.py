@@ -16,10 +16,9 @@ import httpx
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from places import FOOTAGE, SAMPLES
 from web_server import running, settings_for, wait_until
 
-FOOTAGE = Path(__file__).parents[1] / "footage"
-SAMPLES = FOOTAGE.parents[1] / "samples"
 FRAMES = 4
 Refused = Callable[..., dict[str, Any]]
 

@@ -6,16 +6,14 @@ import base64
 import json
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
+import score
+from places import FOOTAGE
 from web_server import running, settings_for
 
-from benchmarks import score
-
-FOOTAGE = Path(__file__).parents[1] / "footage"
 API = "/api/v1"
 OVER = ("done", "failed", "cancelled")
 Refused = Callable[..., dict[str, Any]]

@@ -4,12 +4,13 @@ import re
 from pathlib import Path
 
 import pytest
+from places import DOCS
 
 from padstudio.errors import SpecError
 from padstudio.web.server import settings
 from padstudio.web.server.settings import Settings, load_settings
 
-DOCS = Path(__file__).parents[2] / "docs" / "settings.md"
+PAGE = DOCS / "settings.md"
 
 
 @pytest.fixture(autouse=True)
@@ -19,7 +20,7 @@ def _clean(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_every_setting_is_documented_with_its_default() -> None:
-    rows = re.findall(r"^\| `PADSTUDIO_(\w+)` \| (.+?) \| (.+) \|$", DOCS.read_text(), re.MULTILINE)
+    rows = re.findall(r"^\| `PADSTUDIO_(\w+)` \| (.+?) \| (.+) \|$", PAGE.read_text(), re.MULTILINE)
     documented = {name.lower(): default.strip("`") for name, default, _ in rows}
     assert len(documented) == len(rows)
     assert documented.keys() == Settings.model_fields.keys()

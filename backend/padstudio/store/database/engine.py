@@ -21,7 +21,7 @@ DatabaseFault = SQLAlchemyError
 NEWEST_REVISION = "0004"
 # Alembic keeps its context in a module of its own: one migration at a time in a process.
 _migrating = threading.Lock()
-_MIGRATIONS = Path(__file__).parent / "migrations"
+_MIGRATIONS = Path(__file__).parents[1] / "migrations"
 _WRITING = {"padstudio_writing": True}
 
 

@@ -117,4 +117,4 @@ def _keep(shared: Services, answer: dict[str, Any], folder: Path | None) -> Dete
 
 
 def _thumbnail(address: str) -> str:
-    return f"{address}?width={analysis.THUMBNAIL_WIDTH_PX}"
+    return f"{address}?width={detection.THUMBNAIL_WIDTH_PX}"

@@ -146,7 +146,7 @@ def _stage(base: str, stage: dict[str, Any]) -> StageInfo:
         return StageInfo(**fields, picture=None, thumbnail=None)
     query = [f"channel={stage['channel']}"] if stage["channel"] else []
     address = f"{base}{stage['name']}.webp"
-    small = "&".join([*query, f"width={analysis.THUMBNAIL_WIDTH_PX}"])
+    small = "&".join([*query, f"width={detection.THUMBNAIL_WIDTH_PX}"])
     whole = "&".join(query)
     return StageInfo(
         **fields,

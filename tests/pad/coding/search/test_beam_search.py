@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from windows import all_differ
 
-from pad.windows import all_differ
 from padstudio.pad.coding.search.beam_search import (
     can_crowd,
     columns,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from windows import all_windows
 
-from pad.windows import all_windows
 from padstudio.pad.coding.search.bounds import bounds
 from padstudio.pad.coding.search.maximum_length import can_cut, cut_field
 from padstudio.pad.coding.search.spec import FieldSpec, Watch

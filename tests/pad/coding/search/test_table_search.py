@@ -6,8 +6,8 @@ import hashlib
 import itertools
 
 import pytest
+from windows import all_differ
 
-from pad.windows import all_differ
 from padstudio.pad.coding.search import table_search
 from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
 

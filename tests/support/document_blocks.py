@@ -9,7 +9,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+from places import ROOT
+
 _PROGRAM = Path(sys.executable).with_name("padstudio")
 _PATH = f"{_PROGRAM.parent}:/usr/local/bin:/usr/bin:/bin:/opt/homebrew/bin"
 # As the documents write it.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
+from places import FOOTAGE
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, rotation_angle_deg
@@ -16,7 +16,6 @@ from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.baseline.hough import Lines
 from padstudio.vision.frame.pyramid import Plane
 
-FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 WIDTH, HEIGHT = 640, 480
 
 

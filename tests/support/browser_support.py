@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from urllib.parse import urlsplit
 
+from places import FOOTAGE, ROOT
 from playwright.sync_api import Page, Response, expect
 
-FOOTAGE = Path(__file__).parents[1] / "footage"
-FRONTEND = Path(__file__).parents[2] / "frontend"
+FRONTEND = ROOT / "frontend"
 PAD_FILE = FOOTAGE / "pad_a.json"
 CAMERA_FILE = FOOTAGE / "camera_drone_half.yaml"
 STILL = FOOTAGE / "stills" / "a_cast0_1300.jpg"
