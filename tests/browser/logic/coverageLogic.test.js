@@ -1,7 +1,7 @@
 import {
   areaPath, bandRuns, deadBandInWords, heightFacts, heightRange, heightSteps, layersOf, logTicks, moved, ofMethod, placeInWords,
   placeOf, surenessInWords, widestOf, xOf, yOf,
-} from "/static/js/coverageLogic.js";
+} from "/static/js/shared/coverageLogic.js";
 import { contains, equal, near } from "./check.js";
 
 const span = (layer, tilt, low, high) => ({ layer, tilt_deg: tilt, low_mm: low, high_mm: high });

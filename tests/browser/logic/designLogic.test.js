@@ -1,6 +1,6 @@
-import { boundsInWords, padFacts, sheetInWords, tableSizes, textsOfPad } from "/static/js/designLogic.js";
-import { viewOfPad } from "/static/js/padLogic.js";
-import { DEFAULT_SPEC } from "/static/js/specLogic.js";
+import { boundsInWords, padFacts, sheetInWords, tableSizes, textsOfPad } from "/static/js/design/designLogic.js";
+import { viewOfPad } from "/static/js/design/padLogic.js";
+import { DEFAULT_SPEC } from "/static/js/design/specLogic.js";
 import { contains, equal } from "./check.js";
 
 const FILE = {

@@ -1,6 +1,6 @@
 import {
   heightsChart, heightsInWords, outcomesChart, samplesInWords, spaceChart, stagesChart, trajectoryChart,
-} from "/static/js/figuresLogic.js";
+} from "/static/js/flight/figuresLogic.js";
 import { contains, equal, near } from "./check.js";
 
 const palette = { x: "x", y: "y", height: "h", other: "o", stages: ["a", "b"] };

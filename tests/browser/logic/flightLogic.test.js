@@ -1,10 +1,10 @@
 import {
   differenceInWords, flightNotes, gapInWords, isOpen, isRetryable, progressInWords, rangeInWords, reasonsOf, restInWords,
   summaryFacts,
-} from "/static/js/flightLogic.js";
-import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flightFrameLogic.js";
-import { bytes, clock, percent } from "/static/js/formatLogic.js";
-import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/orderLogic.js";
+} from "/static/js/flight/flightLogic.js";
+import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flight/flightFrameLogic.js";
+import { bytes, clock, percent } from "/static/js/shared/formatLogic.js";
+import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/flight/orderLogic.js";
 import { contains, equal } from "./check.js";
 
 const flight = (change = {}) => ({

@@ -1,4 +1,4 @@
-import { DEFAULT_FLY, flyInWords, isFlown, isFlying, parseFly } from "/static/js/flyLogic.js";
+import { DEFAULT_FLY, flyInWords, isFlown, isFlying, parseFly } from "/static/js/plan/flyLogic.js";
 import { contains, equal } from "./check.js";
 
 const parse = (change) => parseFly({ ...DEFAULT_FLY, ...change });

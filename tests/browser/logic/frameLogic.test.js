@@ -1,7 +1,7 @@
 import {
   DEFAULT_FRAME, diagnoseLink, frameInWords, frameName, framesFromQuery, framesToQuery, isAsked,
   parseFrames, truthFacts,
-} from "/static/js/frameLogic.js";
+} from "/static/js/shared/frameLogic.js";
 import { contains, equal, near } from "./check.js";
 
 const parse = (change) => parseFrames({ ...DEFAULT_FRAME, ...change });

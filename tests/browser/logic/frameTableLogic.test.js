@@ -1,6 +1,6 @@
 import {
   PAGE_FRAMES, filterFault, filterFromText, filterToText, noFilter, pageOf, placeBeside, rowOf,
-} from "/static/js/frameTableLogic.js";
+} from "/static/js/flight/frameTableLogic.js";
 import { equal } from "./check.js";
 
 const failed = (frame) => ({

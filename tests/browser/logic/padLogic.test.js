@@ -1,7 +1,7 @@
 import {
   cellAt, layerPixels, layersOfView, levelShares, padFrame, viewOfPad, windowCode, windowRound,
-} from "/static/js/padLogic.js";
-import { placeInWords } from "/static/js/placeLogic.js";
+} from "/static/js/design/padLogic.js";
+import { placeInWords } from "/static/js/design/placeLogic.js";
 import { contains, equal } from "./check.js";
 
 const FILE = {

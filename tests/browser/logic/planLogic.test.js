@@ -1,8 +1,8 @@
 import {
   adviceFacts, DEFAULT_MAP, DEFAULT_WISH, designLink, dotsOf, fromQuery, parseMap, parseWish, toQuery,
   valueInWords, withRow,
-} from "/static/js/planLogic.js";
-import { specFromQuery } from "/static/js/specLogic.js";
+} from "/static/js/plan/planLogic.js";
+import { specFromQuery } from "/static/js/design/specLogic.js";
 import { contains, equal } from "./check.js";
 
 const ADVICE = {

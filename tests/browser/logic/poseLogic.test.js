@@ -1,4 +1,4 @@
-import { evidenceFacts, poseFacts, poseInWords, verdict } from "/static/js/poseLogic.js";
+import { evidenceFacts, poseFacts, poseInWords, verdict } from "/static/js/shared/poseLogic.js";
 import { equal } from "./check.js";
 
 const RECORD = {

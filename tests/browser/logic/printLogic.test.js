@@ -1,7 +1,7 @@
 import {
   cellFacts, DEFAULT_PRINT, fileQuery, keptStrip, parsePrint, planFacts, printFromQuery, printToQuery,
   readings, rulerTexts, shapeOfPad, sheetOptions, stripInWords,
-} from "/static/js/printLogic.js";
+} from "/static/js/design/printLogic.js";
 import { contains, equal } from "./check.js";
 
 const parse = (change) => parsePrint({ ...DEFAULT_PRINT, ...change });

@@ -1,9 +1,9 @@
-import { cameraGroups, missing, namesInSample, resultNotes } from "/static/js/diagnoseLogic.js";
-import { compact, duration, length, moment, number, powerOfTen } from "/static/js/formatLogic.js";
+import { cameraGroups, missing, namesInSample, resultNotes } from "/static/js/shared/readingLogic.js";
+import { compact, duration, length, moment, number, powerOfTen } from "/static/js/shared/formatLogic.js";
 import {
   faultBeforeUpload, frameNote, frameOfAnswer, kindOfFile, newFrame, nextWaiting, requeued, tally,
   withFrame,
-} from "/static/js/queueLogic.js";
+} from "/static/js/shared/queueLogic.js";
 import { contains, equal } from "./check.js";
 
 const answer = (status) => ({

@@ -1,6 +1,6 @@
 import {
   bigNumber, capacity, DEFAULT_SPEC, parseSpec, sheetSize, specFromQuery, specToQuery, specToTexts,
-} from "/static/js/specLogic.js";
+} from "/static/js/design/specLogic.js";
 import { contains, equal, near } from "./check.js";
 
 const whole = (least, most, label) => ({ least, most, whole: true, label });

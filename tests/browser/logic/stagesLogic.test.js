@@ -1,7 +1,7 @@
 import {
   arrangeStages, channelsOf, failures, neighbour, picturedCards, reasonInWords, resultCards, runsFor,
   stageTitle, wishes,
-} from "/static/js/stagesLogic.js";
+} from "/static/js/shared/stagesLogic.js";
 import { equal } from "./check.js";
 
 const FAILURE = { stage: "grid", reason: "no_lattice", detail: "3 of 40", advice: "" };

@@ -1,7 +1,7 @@
 import {
   columnInWords, columnOf, frameAt, heightMarks, heightRange, nearestFrame, partFromText, partToText, partWith,
   placeOf, tallyOf, timelineInWords, wholeOf, zoomPart,
-} from "/static/js/timelineLogic.js";
+} from "/static/js/flight/timelineLogic.js";
 import { equal, near } from "./check.js";
 
 const whole = { first: 10, last: 1009, stride: 1 };

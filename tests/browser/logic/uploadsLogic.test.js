@@ -1,7 +1,7 @@
-import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/tusLogic.js";
+import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/server/tusLogic.js";
 import {
   fromStorage, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
-} from "/static/js/uploadsLogic.js";
+} from "/static/js/flights/uploadsLogic.js";
 import { contains, equal } from "./check.js";
 
 const file = (name, size = 1000, lastModified = 7) => ({ name, size, lastModified });

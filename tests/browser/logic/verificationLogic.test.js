@@ -1,4 +1,4 @@
-import { histogramBars, pairInWords, verificationFacts } from "/static/js/verificationLogic.js";
+import { histogramBars, pairInWords, verificationFacts } from "/static/js/design/verificationLogic.js";
 import { contains, equal, near } from "./check.js";
 
 const CHECK = {

@@ -1,6 +1,6 @@
 import {
   clamp, fit, keyMove, pan, scaleBar, toSheet, toView, viewportFromText, viewportToText, zoomAt,
-} from "/static/js/viewportLogic.js";
+} from "/static/js/shared/viewportLogic.js";
 import { equal, near } from "./check.js";
 
 const SHEET = { width: 1000, height: 500 };

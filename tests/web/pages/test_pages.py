@@ -70,10 +70,10 @@ def test_the_root_leads_to_design(studio: httpx.Client) -> None:
 
 
 def test_scripts_are_revalidated_and_typed(studio: httpx.Client) -> None:
-    first = studio.get("/static/js/api.js").raise_for_status()
+    first = studio.get("/static/js/server/api.js").raise_for_status()
     assert re.match(r"(text|application)/javascript", first.headers["content-type"])
     assert first.headers["cache-control"] == "no-cache"
-    again = studio.get("/static/js/api.js", headers={"If-None-Match": first.headers["etag"]})
+    again = studio.get("/static/js/server/api.js", headers={"If-None-Match": first.headers["etag"]})
     assert again.status_code == 304
 
 

@@ -1,0 +1,52 @@
+/**
+ * Sends waiting pictures to the detector, one after the other.
+ *
+ * @typedef {import("../shared/queueLogic.js").Frame} Frame
+ *
+ * @typedef {object} ReaderOptions
+ * @property {() => Frame | null} next  the picture to read next
+ * @property {() => {pad: string, camera: string, method: string}} job  how it is read
+ * @property {(id: string, values: Partial<Frame>) => void} change
+ */
+
+import * as api from "../server/api.js";
+
+/**
+ * @param {ReaderOptions} options
+ */
+export function makeReader({ next, job, change }) {
+  /** @type {AbortController | null} */
+  let running = null;
+
+  /** @param {Frame} frame @param {File} image @param {AbortSignal} signal */
+  async function read({ id }, image, signal) {
+    change(id, { status: "running" });
+    try {
+      const { pad, camera, method } = job();
+      const answer = await api.detect({ image, pad, camera, method }, signal);
+      if (!signal.aborted) change(id, { status: answer.result.status, answer });
+    } catch (error) {
+      // A picture that was stopped waits again under its new terms, or is gone.
+      if (!api.isAbort(error)) change(id, { status: "refused", message: api.messageOf(error) });
+    }
+  }
+
+  return {
+    /** Stop the picture under way. */
+    abort() {
+      running?.abort();
+    },
+    /** Read until no picture waits; a second call while the first runs does nothing. */
+    async work() {
+      if (running) return;
+      for (;;) {
+        const { pad, camera } = job();
+        const frame = pad && camera ? next() : null;
+        if (!frame?.file) break;
+        running = new AbortController();
+        await read(frame, frame.file, running.signal);
+      }
+      running = null;
+    },
+  };
+}

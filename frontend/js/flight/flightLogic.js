@@ -1,0 +1,174 @@
+/**
+ * What the pages say of a flight.
+ *
+ * @typedef {import("../server/flightsApi.js").Flight} Flight
+ * @typedef {import("../server/flightsApi.js").Summary} Summary
+ */
+
+import { compact, duration, moment, number, percent } from "../shared/formatLogic.js";
+import { reasonInWords, stageTitle } from "../shared/stagesLogic.js";
+
+/** @type {Record<Flight["state"], string>} */
+const STATES = {
+  queued: "Waiting",
+  running: "Running",
+  done: "Done",
+  failed: "Failed",
+  cancelled: "Cancelled",
+};
+
+/** @param {Flight} flight @returns {string} */
+export const stateInWords = (flight) => STATES[flight.state] ?? flight.state;
+
+/** @param {Flight} flight @returns {boolean} true while it may still change */
+export const isOpen = (flight) => flight.state === "queued" || flight.state === "running";
+
+/** @param {Flight} flight @returns {boolean} */
+export const isRetryable = (flight) => flight.state === "failed" || flight.state === "cancelled";
+
+/**
+ * How far it is, in one line.
+ * @param {Flight} flight
+ * @returns {string}
+ */
+export function progressInWords({ state, frames_done: done, frames_total: total, frames_ok: ok }) {
+  if (total === null) return state === "queued" ? "waits for its turn" : "looking into the files";
+  const frames = done === total ? number(total) : `${number(done)} of ${number(total)}`;
+  const noun = total === 1 ? "frame" : "frames";
+  return `${frames} ${noun}${done ? `, ${percent(ok, done)} with a pose` : ""}`;
+}
+
+/**
+ * How long it will still take; empty where nobody can tell.
+ * @param {Flight} flight
+ * @param {number} now  ms since 1970
+ * @returns {string}
+ */
+export function restInWords({ state, started_at: started, frames_done: done, frames_total: total }, now) {
+  if (state !== "running" || !started || !total || !done) return "";
+  const elapsed = now - Date.parse(started);
+  if (!(elapsed > 0)) return "";
+  const rate = `${compact((1000 * done) / elapsed, 1)} frames/s`;
+  const rest = (elapsed * (total - done)) / done;
+  const minutes = Math.round(rest / 60_000);
+  const left = rest < 60_000 ? `${Math.max(1, Math.round(rest / 1000))} s` : `${minutes} min`;
+  return `${rate}, about ${left} left`;
+}
+
+/**
+ * What was read with what.
+ * @param {Flight} flight
+ * @returns {[string, string][]}
+ */
+export function settingsFacts({ request, sources = [], created_at: created, started_at: started, finished_at: finished }) {
+  /** @type {[string, string][]} */
+  const facts = [
+    ["Pad", request.pad_name ?? "–"],
+    ["Camera", request.camera_name ?? "–"],
+    ["Method", request.method],
+    ["Frames", rangeInWords(request)],
+  ];
+  const video = sources.find((source) => source.video)?.video;
+  if (video) {
+    facts.push(["Video", `${video.width} × ${video.height}, ${compact(video.fps, 2)} frames/s`]);
+  }
+  for (const [group, values] of Object.entries(request.params ?? {})) {
+    facts.push([group, JSON.stringify(values)]);
+  }
+  facts.push(["Created", moment(created)]);
+  if (started && finished) facts.push(["Took", duration(Date.parse(finished) - Date.parse(started))]);
+  return facts;
+}
+
+/** @param {import("../server/flightsApi.js").FlightRequest} request @returns {string} */
+export function rangeInWords({ first_frame: first = 0, end_frame: end, stride = 1 }) {
+  const range = end === null || end === undefined ? (first ? `from ${first}` : "all") : `${first} to ${end - 1}`;
+  return stride > 1 ? `${range}, every ${ordinal(stride)}` : range;
+}
+
+/** @param {number} n */
+function ordinal(n) {
+  const tens = n % 100;
+  const ending = tens > 10 && tens < 14 ? "th" : (["th", "st", "nd", "rd"][n % 10] ?? "th");
+  return `${number(n)}${ending}`;
+}
+
+/**
+ * Why it does not go on, damage, and other things that a user should know.
+ * @param {Flight} flight
+ * @returns {string[]}
+ */
+export function flightNotes({ notice, sources = [] }) {
+  const found = sources.flatMap(({ name, video }) =>
+    (video?.damage ?? []).map((/** @type {unknown} */ each) => `${name}: ${each}.`),
+  );
+  return notice ? [`Waiting: ${notice}.`, ...found] : found;
+}
+
+/**
+ * The flight's figures.
+ * @param {Summary} summary
+ * @returns {[string, string][]}
+ */
+export function summaryFacts(summary) {
+  const { frames, ok, longest_gap: gap, layers, damaged } = summary;
+  if (!frames) return [["Frames", "none read yet"]];
+  /** @type {[string, string][]} */
+  const facts = [["With a pose", `${number(ok)} of ${number(frames)}, ${percent(ok, frames)}`]];
+  facts.push(["Longest gap", gap ? gapInWords(gap) : "none"]);
+  for (const [layer, count] of Object.entries(layers)) {
+    facts.push([layer === "outline" ? "From the outline" : `From the ${layer} layer`, percent(count, ok)]);
+  }
+  if (damaged) facts.push(["Damaged in the file", `${number(damaged)} ${damaged === 1 ? "frame" : "frames"}`]);
+  return facts;
+}
+
+/** @param {NonNullable<Summary["longest_gap"]>} gap @returns {string} */
+export function gapInWords({ frames, seconds, first_frame: first }) {
+  const size = frames === 1 ? "1 frame" : `${number(frames)} frames`;
+  return `${size}${seconds === null ? "" : `, ${compact(seconds, 2)} s`}, from ${number(first)}`;
+}
+
+/**
+ * Why frames failed, the most frequent first.
+ * @param {Summary} summary
+ * @returns {{reason: string, text: string, count: number}[]}
+ */
+export function reasonsOf({ reasons }) {
+  return Object.entries(reasons)
+    .sort(([, a], [, b]) => b - a)
+    .map(([reason, count]) => ({ reason, text: `${reasonInWords(reason)} (${number(count)})`, count }));
+}
+
+/** @param {string | null} stage @returns {string} */
+export const stageName = (stage) => (stage === "read" ? "Reading the file" : stageTitle(stage ?? ""));
+
+/** The forms of a download; that for PX4 needs a file and is no plain link. */
+export const EXPORTS = [
+  { form: "csv", name: "CSV", about: "spreadsheets" },
+  { form: "jsonl", name: "JSONL", about: "poses file, a frame a line" },
+  { form: "tum", name: "TUM", about: "trajectory for evo" },
+  { form: "colmap", name: "COLMAP", about: "images.txt" },
+  { form: "mcap", name: "MCAP", about: "Foxglove" },
+  { form: "mcap?images=true", name: "MCAP, frames", about: "Foxglove, with pictures" },
+  { form: "ardupilot", name: "ArduPilot", about: "LANDING_TARGET" },
+];
+
+/**
+ * Two runs side by side: what differs in how they were read.
+ * @param {Flight} a
+ * @param {Flight} b
+ * @returns {string}
+ */
+export function differenceInWords(a, b) {
+  const [one, other] = [settingsFacts(a), settingsFacts(b)];
+  const skipped = ["Created", "Took", "Video"];
+  const parts = [...new Set([...one, ...other].map(([term]) => term))]
+    .filter((term) => !skipped.includes(term))
+    .flatMap((term) => {
+      const value = (/** @type {[string, string][]} */ facts) =>
+        facts.find(([name]) => name === term)?.[1] ?? "default";
+      return value(one) === value(other) ? [] : [`${term}: ${value(one)} / ${value(other)}`];
+    });
+  return parts.length ? parts.join("; ") : "the same settings";
+}

@@ -1,0 +1,201 @@
+/**
+ * The controller of the Flights page: the list, and the order of a new one.
+ *
+ * @typedef {import("../server/flightsApi.js").Flight} Flight
+ *
+ * @typedef {object} OwnState
+ * @property {import("./uploadsLogic.js").Item[]} items  files of the new flight
+ * @property {boolean} ordered  starts as soon as all files are there
+ * @property {Flight[]} flights
+ * @property {number | null} total  of them; null until it is known
+ * @property {number} limit  of those that are shown
+ * @property {import("../shared/components/status.js").Status} status
+ *
+ * @typedef {import("../shared/readingChoice.js").Scene & OwnState} State
+ */
+
+import { readAddress, writeAddress } from "../shared/address.js";
+import * as api from "../server/api.js";
+import { mountChoice } from "../shared/components/choice.js";
+import { mountDropZone } from "../shared/components/dropZone.js";
+import { mountFlightList } from "./flightList.js";
+import { mountStatus } from "../shared/components/status.js";
+import { mountUploadList } from "./uploadList.js";
+import { cameraGroups, cameraNote, padGroups, padNote } from "../shared/readingLogic.js";
+import { isOpen } from "../flight/flightLogic.js";
+import * as flightsApi from "../server/flightsApi.js";
+import { makeIntake } from "../shared/intake.js";
+import { missingOrder, rangeFault, rangeValues } from "../flight/orderLogic.js";
+import { sceneFrom } from "../shared/readingChoice.js";
+import { makeUploadQueue } from "./uploadQueue.js";
+import { readyIds, totals } from "./uploadsLogic.js";
+
+const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+const address = readAddress();
+const PAGE = 50;
+const BUSY_MS = 1000;
+const IDLE_MS = 10_000;
+
+/** @type {State} */
+const state = {
+  ...sceneFrom(address),
+  items: [],
+  ordered: false,
+  flights: [],
+  total: null,
+  limit: PAGE,
+  status: null,
+};
+/** @type {WeakMap<File, string>} */
+const folders = new WeakMap();
+
+const padChoice = mountChoice(byId("pad-choice"), {
+  onChoose: (pad) => set({ pad }),
+  onFile: (file) => void intake.takePad(file),
+});
+const cameraChoice = mountChoice(byId("camera-choice"), {
+  onChoose: (camera) => set({ camera }),
+  onFile: (file) => void intake.takeCamera(file),
+});
+const uploadList = mountUploadList(byId("uploads"), { onRemove: (keys) => queue.remove(keys) });
+const flightList = mountFlightList(byId("flights"), {
+  onCancel: (id) => void act(() => flightsApi.cancelFlight(id)),
+  onRemove: (flight) => {
+    if (window.confirm(`Remove the flight “${flight.name}” and its results?`)) {
+      void act(() => flightsApi.deleteFlight(flight.id));
+    }
+  },
+  onMore: () => {
+    set({ limit: state.limit + PAGE });
+    void refresh();
+  },
+});
+const status = mountStatus(byId("status"));
+const intake = makeIntake({
+  known: () => state,
+  onPad: (pad, pads) => set({ pad, pads }),
+  onCamera: (camera, cameras) => set({ camera, ...cameras }),
+  onPictures: (files) => queue.add(files.map((file) => ({ file, folder: folders.get(file) ?? "" }))),
+  onStatus: (status) => set({ status }),
+});
+const queue = makeUploadQueue({ onChange: (items) => set({ items }) });
+mountDropZone(byId("drop-zone"), {
+  onFiles: (files, chosen) => {
+    for (const { file, folder } of chosen) folders.set(file, folder);
+    void intake.takeFiles(files);
+  },
+});
+
+let frame = 0;
+let refreshTimer = 0;
+
+/** @param {Partial<State>} change */
+function set(change) {
+  Object.assign(state, change);
+  // Thousands of small files report often; the page is drawn once a frame.
+  frame ||= requestAnimationFrame(() => {
+    frame = 0;
+    render();
+  });
+}
+
+function render() {
+  const { pads, stored, presets, items, ordered, method } = state;
+  const pad = pads.find((each) => each.id === state.pad);
+  const camera = [...stored, ...presets].find((each) => each.id === state.camera);
+  padChoice.update({ groups: padGroups(pads), chosen: state.pad, note: padNote(pad) });
+  const groups = cameraGroups(stored, presets);
+  cameraChoice.update({ groups, chosen: state.camera, note: cameraNote(camera) });
+  for (const input of byId("method").querySelectorAll("input")) input.checked = input.value === method;
+  uploadList.update({ items });
+  flightList.update({ flights: state.flights, total: state.total, now: Date.now() });
+  const needed = missingOrder({ pad: state.pad, camera: state.camera, files: totals(items).total });
+  const hint = ordered ? "Starts as soon as every file is sent." : needed;
+  if (byId("missing").textContent !== hint) byId("missing").textContent = hint;
+  byId("start").textContent = ordered ? "Do not start" : readyIds(items) ? "Analyse" : "Analyse when sent";
+  byId("start").disabled = Boolean(needed);
+  status.update(state.status);
+  writeAddress({ pad: state.pad, camera: state.camera, method: method === "dense" ? null : method });
+  if (ordered && readyIds(items)) void start();
+}
+
+const rangeFields = () => ({
+  first: byId("first").value,
+  last: byId("last").value,
+  stride: byId("stride").value,
+});
+
+async function start() {
+  set({ ordered: false, status: { kind: "quiet", text: "Starting …" } });
+  const { pad, camera, method } = state;
+  const name = byId("flight-name").value.trim();
+  const uploads = readyIds(state.items) ?? [];
+  const order = { uploads, pad, camera, method, ...rangeValues(rangeFields()), ...(name ? { name } : {}) };
+  try {
+    const flight = await flightsApi.createFlight(order);
+    queue.clear();
+    location.assign(`/flights/${flight.id}`);
+  } catch (error) {
+    set({ status: { kind: "bad", text: api.messageOf(error) } });
+  }
+}
+
+function checkRange() {
+  const fault = rangeFault(rangeFields());
+  byId("range-error").textContent = fault;
+  for (const input of byId("range").querySelectorAll("input")) input.ariaInvalid = String(Boolean(fault));
+  return !fault;
+}
+
+/** @param {() => Promise<unknown>} change  of a flight in the list */
+async function act(change) {
+  try {
+    await change();
+  } catch (error) {
+    set({ status: { kind: "bad", text: api.messageOf(error) } });
+  }
+  await refresh();
+}
+
+async function refresh() {
+  window.clearTimeout(refreshTimer);
+  try {
+    const { items, total } = await flightsApi.listFlights(Math.min(state.limit, 200));
+    set({ flights: items, total });
+  } catch (error) {
+    if (state.total === null) set({ status: { kind: "bad", text: api.messageOf(error) } });
+  }
+  const wait = state.flights.some(isOpen) ? BUSY_MS : IDLE_MS;
+  refreshTimer = window.setTimeout(() => (document.hidden ? null : void refresh()), wait);
+}
+
+async function load() {
+  render();
+  void refresh();
+  set({ items: queue.items() });
+  void queue.restore();
+  try {
+    const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
+    const isKnown = pads.items.some((each) => each.id === state.pad);
+    const pad = isKnown ? state.pad : (pads.items[0]?.id ?? "");
+    const only = cameras.stored.length === 1 ? cameras.stored[0].id : "";
+    set({ pads: pads.items, ...cameras, pad, camera: state.camera || only });
+  } catch (error) {
+    set({ status: { kind: "bad", text: api.messageOf(error) } });
+  }
+}
+
+byId("method").addEventListener("change", (/** @type {Event} */ event) => {
+  set({ method: /** @type {HTMLInputElement} */ (event.target).value });
+});
+byId("range").addEventListener("input", checkRange);
+byId("order").addEventListener("submit", (/** @type {Event} */ event) => {
+  event.preventDefault();
+  if (checkRange()) set({ ordered: !state.ordered, status: null });
+  else byId("first").focus();
+});
+document.addEventListener("visibilitychange", () => (document.hidden ? null : void refresh()));
+window.addEventListener("beforeunload", (event) => {
+  if (state.items.some((item) => item.status === "sending")) event.preventDefault();
+});
+void load();

@@ -1,0 +1,122 @@
+/**
+ * Sends the files of a new flight, some at a time, and remembers them over a reload.
+ *
+ * @typedef {import("./uploadsLogic.js").Item} Item
+ */
+
+import * as api from "../server/api.js";
+import { getUpload } from "../server/flightsApi.js";
+import { removeUpload, sendFile } from "../server/tusUpload.js";
+import * as uploads from "./uploadsLogic.js";
+
+const KEY = "padstudio.uploads";
+const SLOTS = 2;
+
+/**
+ * @param {{onChange: (items: Item[]) => void}} events
+ */
+export function makeUploadQueue({ onChange }) {
+  /** @type {Map<string, AbortController>} */
+  const running = new Map();
+  let items = uploads.fromStorage(read());
+
+  /** @param {Item[]} next */
+  function set(next) {
+    items = next;
+    write(uploads.toStorage(items));
+    onChange(items);
+  }
+  const change = (/** @type {string} */ key, /** @type {Partial<Item>} */ values) =>
+    set(uploads.withItem(items, key, values));
+
+  /** @param {Item} item @param {File} file */
+  async function send({ key, url, size }, file) {
+    const control = new AbortController();
+    running.set(key, control);
+    change(key, { status: "sending", message: "" });
+    try {
+      const id = await sendFile(file, {
+        url,
+        signal: control.signal,
+        onProgress: ({ trouble, ...progress }) => {
+          const message = trouble === undefined ? {} : { message: trouble && api.messageOf(trouble) };
+          change(key, { ...progress, ...message });
+        },
+      });
+      change(key, { status: "done", id, offset: size });
+    } catch (error) {
+      if (!control.signal.aborted) change(key, { status: "refused", message: reasonOf(error) });
+    }
+    running.delete(key);
+    work();
+  }
+
+  function work() {
+    for (const item of uploads.nextToSend(items, SLOTS)) {
+      if (item.file) void send(item, item.file);
+    }
+  }
+
+  /** What was complete before a reload may be gone, and what was not may be complete. */
+  async function restore() {
+    for (const { key, url } of items.filter((item) => !item.file)) {
+      try {
+        const upload = await getUpload(url?.split("/").pop() ?? "");
+        const done = upload.complete ? { id: upload.id, status: /** @type {const} */ ("done") } : {};
+        change(key, { offset: upload.offset, ...done });
+      } catch (error) {
+        if (error instanceof api.ApiError && error.status === 404) {
+          set(items.filter((item) => item.key !== key));
+        }
+      }
+    }
+  }
+
+  return {
+    items: () => items,
+    restore,
+    /** @param {{file: File, folder: string}[]} chosen */
+    add(chosen) {
+      set(uploads.withFiles(items, chosen));
+      work();
+    },
+    /** Stop and forget files, here and on the server. @param {string[]} keys */
+    remove(keys) {
+      const gone = items.filter((item) => keys.includes(item.key));
+      set(items.filter((item) => !keys.includes(item.key)));
+      for (const { key, url } of gone) {
+        running.get(key)?.abort();
+        if (url) void removeUpload(url);
+      }
+      work();
+    },
+    /** The flight that they were sent for has them now. */
+    clear() {
+      set([]);
+    },
+  };
+}
+
+/** @param {unknown} error */
+function reasonOf(error) {
+  const unreadable = error instanceof DOMException;
+  return unreadable ? "The file cannot be read: it was moved or changed." : api.messageOf(error);
+}
+
+/** @returns {string | null} */
+function read() {
+  try {
+    return localStorage.getItem(KEY);
+  } catch {
+    return null;
+  }
+}
+
+/** @param {string} text */
+function write(text) {
+  try {
+    localStorage.setItem(KEY, text);
+  } catch {
+    // Without storage an upload does not outlive a reload, and that is all.
+  }
+}

@@ -1,0 +1,156 @@
+/**
+ * Talks to the server about flights and their frames.
+ *
+ * @typedef {import("../shared/poseLogic.js").PoseRecord} PoseRecord
+ * @typedef {import("../shared/stagesLogic.js").StageAnswer} StageAnswer
+ *
+ * @typedef {object} FlightRequest
+ * @property {string} pad_id
+ * @property {string} pad_name
+ * @property {string} camera_id
+ * @property {string} camera_name
+ * @property {string} method
+ * @property {Record<string, unknown>} params
+ * @property {number} first_frame
+ * @property {number | null} end_frame  the first that is not read
+ * @property {number} stride
+ *
+ * @typedef {object} Flight
+ * @property {string} id
+ * @property {string} name
+ * @property {"queued" | "running" | "done" | "failed" | "cancelled"} state
+ * @property {string} created_at
+ * @property {string | null} started_at
+ * @property {string | null} finished_at
+ * @property {number | null} frames_total
+ * @property {number} frames_done
+ * @property {number} frames_ok
+ * @property {number} progress  0 … 1
+ * @property {{code: string, message: string} | null} error
+ * @property {string | null} [notice]  why the work does not go on at present
+ * @property {string | null} rerun_of
+ * @property {FlightRequest} request
+ * @property {{kind: string, name: string, frames: number, first_frame: number,
+ *   video?: Record<string, any>}[]} [sources]
+ * @property {boolean} [telemetry]
+ *
+ * @typedef {object} Upload
+ * @property {string} id
+ * @property {string} name
+ * @property {number} size_bytes
+ * @property {number} offset
+ * @property {boolean} complete
+ *
+ * @typedef {PoseRecord & {source: string, frame: number, time_s: number | null}} FrameRecord
+ *
+ * @typedef {object} FrameStages
+ * @property {number} frame
+ * @property {FrameRecord} result
+ * @property {string} picture
+ * @property {string} result_picture
+ * @property {StageAnswer[]} stages
+ *
+ * @typedef {object} Summary
+ * @property {number} frames
+ * @property {number} ok
+ * @property {number | null} share_ok
+ * @property {{first_frame: number, last_frame: number, frames: number, seconds: number | null} | null} longest_gap
+ * @property {Record<string, number>} stages
+ * @property {Record<string, number>} reasons
+ * @property {Record<string, number>} layers
+ * @property {number} damaged
+ *
+ * @typedef {Partial<Record<"status" | "reason" | "stage" | "layer", string>>
+ *   & Partial<Record<"from_s" | "to_s" | "min_height" | "max_height", number | null>>} FrameFilter
+ */
+
+import { refusal, request } from "./api.js";
+
+const path = (/** @type {string} */ id, rest = "") => `/flights/${encodeURIComponent(id)}${rest}`;
+
+/** @param {Record<string, string | number | null | undefined>} values */
+function query(values) {
+  const given = Object.entries(values).filter(([, value]) => value !== null && value !== undefined && value !== "");
+  const text = new URLSearchParams(given.map(([name, value]) => [name, String(value)])).toString();
+  return text ? `?${text}` : "";
+}
+
+/** @param {string} id @returns {Promise<Upload>} */
+export const getUpload = (id) => request("GET", `/uploads/${encodeURIComponent(id)}`);
+
+/** @param {number} limit @returns {Promise<{items: Flight[], total: number}>} */
+export const listFlights = (limit) => request("GET", `/flights${query({ limit })}`);
+
+/** @param {Record<string, unknown>} order @returns {Promise<Flight>} */
+export const createFlight = (order) => request("POST", "/flights", { json: order });
+
+/** @param {string} id @returns {Promise<Flight>} */
+export const getFlight = (id) => request("GET", path(id));
+
+/** @param {string} id @returns {Promise<Flight>} */
+export const cancelFlight = (id) => request("POST", path(id, "/cancel"));
+
+/** @param {string} id @returns {Promise<Flight>} */
+export const retryFlight = (id) => request("POST", path(id, "/retry"));
+
+/** @param {string} id @param {Record<string, unknown>} changes @returns {Promise<Flight>} */
+export const rerunFlight = (id, changes) => request("POST", path(id, "/rerun"), { json: changes });
+
+/** @param {string} id */
+export const deleteFlight = (id) => request("DELETE", path(id));
+
+/** @param {string} id @returns {Promise<Summary>} */
+export const getSummary = (id) => request("GET", path(id, "/summary"));
+
+/**
+ * Outcomes and heights of a part of a flight, in so many columns.
+ * @param {string} id
+ * @param {{first_frame?: number, last_frame?: number, columns: number}} part
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<import("../flight/timelineLogic.js").Timeline>}
+ */
+export const getTimeline = (id, part, signal) =>
+  request("GET", path(id, `/timeline${query(part)}`), { signal });
+
+/** @param {string} id @returns {Promise<import("../flight/figuresLogic.js").Figures>} */
+export const getFigures = (id) => request("GET", path(id, "/figures"));
+
+/**
+ * A page of frames, in the order of their numbers.
+ * @param {string} id
+ * @param {FrameFilter & {after?: number, before?: number, limit: number}} wanted
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<{items: FrameRecord[], next_after: number | null}>}
+ */
+export const listFrames = (id, wanted, signal) =>
+  request("GET", path(id, `/frames${query(wanted)}`), { signal });
+
+/**
+ * Address of a frame with its pose drawn over it, which takes no reading.
+ * @param {string} id
+ * @param {number} frame
+ */
+export const previewUrl = (id, frame) => `/api/v1${path(id, `/frames/${frame}/preview.jpg`)}`;
+
+/** @param {string} id @param {number} frame @returns {Promise<FrameStages>} */
+export const getStages = (id, frame) => request("GET", path(id, `/frames/${frame}/stages`));
+
+/** @param {string} id @param {string} form */
+export const exportUrl = (id, form) => `/api/v1${path(id, `/export/${form}`)}`;
+
+/**
+ * The export for PX4, which needs the vehicle's own poses.
+ * @param {string} id
+ * @param {File} vehicle
+ * @returns {Promise<Blob>}
+ */
+export async function exportForPx4(id, vehicle) {
+  const body = new FormData();
+  body.append("vehicle", vehicle);
+  const response = await fetch(exportUrl(id, "px4"), { method: "POST", body });
+  if (!response.ok) throw await refusal(response);
+  return response.blob();
+}
+
+/** @param {string} id */
+export const eventsUrl = (id) => `/api/v1${path(id, "/events")}`;

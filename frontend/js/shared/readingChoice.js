@@ -1,0 +1,25 @@
+/**
+ * What every page that reads pictures lets its user choose: a pad, a camera, a method.
+ *
+ * @typedef {object} Scene
+ * @property {import("../server/api.js").PadSummary[]} pads  to choose from
+ * @property {import("../server/api.js").CameraSummary[]} stored  cameras to choose from
+ * @property {import("../server/api.js").CameraSummary[]} presets
+ * @property {string} pad  chosen id; empty: none yet
+ * @property {string} camera  chosen id; empty: none yet
+ * @property {string} method
+ */
+
+/**
+ * The choices that an address holds, before the lists are there.
+ * @param {URLSearchParams} address
+ * @returns {Scene}
+ */
+export const sceneFrom = (address) => ({
+  pads: [],
+  stored: [],
+  presets: [],
+  pad: address.get("pad") ?? "",
+  camera: address.get("camera") ?? "",
+  method: address.get("method") === "paper" ? "paper" : "dense",
+});
