@@ -116,7 +116,8 @@ def measure_verifier(side: int, distance_limit: int) -> dict[str, Any]:
 def first_call_s() -> float:
     """Time of the first pad of a fresh process over the next one's, compiled code cached."""
     script = (
-        "import time\nfrom padstudio.pad.coding.generate import generate_pad\nt = time.perf_counter()\n"
+        "import time\nfrom padstudio.pad.coding.generate import generate_pad\n"
+        "t = time.perf_counter()\n"
         "generate_pad()\nu = time.perf_counter()\ngenerate_pad()\n"
         "print(2 * u - t - time.perf_counter())"
     )

@@ -5,7 +5,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import assert_one_line_error, run
+from command_line import ENVIRONMENT, assert_one_line_error, run
+from typer.testing import CliRunner
 
 import padstudio
 from padstudio import Pad

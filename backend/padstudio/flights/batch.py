@@ -131,7 +131,8 @@ def detect(
     Yields
     ------
     dict
-        As `padstudio.vision.stage.detection.Detection.to_record`; ``damaged`` where a video's decoder had to
+        As `padstudio.vision.stage.detection.Detection.to_record`; ``damaged`` where a video's
+        decoder had to
         fill in for missing data.
     """
     left = [piece for piece in pieces if any((piece.source, n) not in done for n in piece.numbers)]

@@ -1,8 +1,8 @@
 """What a printer and a camera make of the pad's colours, and how to take it back.
 
 No ink reflects one channel alone and no camera channel sees one alone: part of the red layer shows
-in the blue channel and the other way round. A photo of the test strip (`padstudio.pad.sheets.strip`) gives
-the 3 × 3 matrix of that mixture; its inverse un-mixes frames of the same printer and camera.
+in the blue channel and the other way round. A photo of the test strip (`pad.sheets.strip`)
+gives the 3 × 3 matrix of that mixture; its inverse un-mixes frames of the same printer and camera.
 """
 
 from __future__ import annotations

@@ -24,7 +24,8 @@ class Design:
     summary : mapping
         What lists show of it.
     verification : mapping or None
-        What `padstudio.pad.coding.verify` found of the finest layer, with its ``channel``; in ``others``
+        What `padstudio.pad.coding.verify` found of the finest layer, with its ``channel``; in
+        ``others``
         whether the other layers are unique. None where nobody asked.
     """
 

@@ -1,6 +1,7 @@
 """Generate fields whose windows are unique, and pads of them.
 
-Every field is verified by `padstudio.pad.coding.verify`, which shares no code with the generators, before
+Every field is verified by `padstudio.pad.coding.verify`, which shares no code with the generators,
+before
 it is handed out.
 """
 

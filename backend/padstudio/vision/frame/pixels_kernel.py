@@ -1,4 +1,4 @@
-"""Compiled looks at few of a frame's pixels, as `padstudio.vision.frame.pyramid.Window` shows them."""
+"""Compiled looks at few of a frame's pixels, as `frame.pyramid.Window` shows them."""
 
 from __future__ import annotations
 

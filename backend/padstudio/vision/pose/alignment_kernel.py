@@ -1,4 +1,4 @@
-"""Compiled inner loop of `padstudio.vision.pose.image_alignment`: the frame against the pattern, pixel by pixel.
+"""Compiled inner loop of `image_alignment`: the frame against the pattern, pixel by pixel.
 
 One pass over the pixels keeps every intermediate value in the processor's registers; arrays of
 them would be some hundred bytes a pixel, and a step's cost that of moving them about.

@@ -1,4 +1,4 @@
-"""Compiled inner loops of `padstudio.vision.pose.edge_points`, which documents what they compute."""
+"""Compiled inner loops of `edge_points`, which documents what they compute."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def linearize(
     shift: Array,
     turn: Array,
 ) -> Array:
-    """See `padstudio.vision.pose.least_squares`: residual and its change with centre and turn, (N, 7)."""
+    """See `least_squares`: residual and its change with centre and turn, (N, 7)."""
     out = np.empty((len(points), 7))
     seen = np.empty((2, 3))
     for i in range(len(points)):

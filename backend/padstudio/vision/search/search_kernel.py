@@ -59,7 +59,7 @@ def climb(
     least_cosine: float,
     least_step_deg: float,
 ) -> Array:
-    """See `padstudio.vision.search.plane_normals`: the normal (3,) of the nearest maximum of coherence."""
+    """See `plane_normals`: the normal (3,) of the nearest maximum of coherence."""
     around, first = np.empty((9, 3)), np.empty((9, 3))
     best = normal.copy()
     step_deg = 6.0
@@ -92,7 +92,7 @@ def climb(
 def turn_axes(
     axes: Array, lines: Array, rays: Array, first_cut: float, last_cut: float, steps: int
 ) -> Array:
-    """See `padstudio.vision.search.plane_normals`: axes (3, 3) turned so that edges point along two of them.
+    """See `plane_normals`: axes (3, 3) turned so that edges point along two of them.
 
     An edge with interpretation-plane normal l, seen along the ray x, is off the picture of axis a
     by the angle l·a / |x × a|. The squares of the smaller of an edge's two angles are summed over
@@ -154,7 +154,7 @@ def lattice_equations(
     on_v: NDArray[np.bool_],
     gate: float,
 ) -> tuple[Array, Array, int]:
-    """See `padstudio.vision.search.lattice`: normal matrix (8, 8), right side, fewer family's edges."""
+    """See `lattice`: normal matrix (8, 8), right side, fewer family's edges."""
     normal, right, counts = np.zeros((8, 8)), np.zeros(8), np.zeros(2, np.int64)
     for k in range(len(u)):
         if not (on_u[k] or on_v[k]):
