@@ -7,7 +7,6 @@ import shutil
 import av
 import httpx
 import pytest
-
 from document_blocks import ROOT, block, run_python, run_shell, serving
 
 FOOTAGE = ROOT / "tests" / "footage"

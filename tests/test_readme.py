@@ -6,7 +6,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-
 from document_blocks import ROOT, block, run_python, run_shell, serving
 
 

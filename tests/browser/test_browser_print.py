@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from browser_support import Complaints
 from playwright.sync_api import Page, expect
+from strip_photo import strip_photo
 
 from padstudio.pad.coverage.pinhole import View
 from padstudio.pad.coverage.spans import METHOD_LIMITS, cells_needed
-from strip_photo import strip_photo
 
 SMALL = "/design?rows=30&cols=20&ratio=2&cell_mm=15&quiet_mm=12&name=sheets"
 CAMERA = "preset-dji-mini-27k"

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from measure_print import make_pad, pdf_info
+from strip_photo import strip_photo
 from typer.testing import CliRunner
 
-from measure_print import make_pad, pdf_info
 from padstudio.cli import print
 from padstudio.cli.support import StudioGroup
 from padstudio.pad.spec import Pad
-from strip_photo import strip_photo
 
 
 @pytest.fixture

@@ -3,8 +3,8 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-
 from measure_print import make_pad
+
 from padstudio.errors import PadFormatError
 from padstudio.pad.identity import label_text, pad_id, parse_label
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from measure_print import make_pad
+
 from padstudio.errors import SpecError
 from padstudio.pad.layout import corners_mm
 from padstudio.pad.print_scale import print_scale, with_measured_size

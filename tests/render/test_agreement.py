@@ -7,8 +7,8 @@ import zlib
 
 import numpy as np
 import pytest
-
 from measure_print import make_pad
+
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Pad
 from padstudio.render.painters.dxf import paint_dxf

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from measure_print import make_pad, pdf_info
+
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render import documents

@@ -9,11 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.layout import Layout
 from padstudio.pad.sheets.tiling import Sheet, SheetPlan
 from padstudio.pad.spec import Layer, Pad
-
-Array = NDArray[np.float64]
 
 
 def make_pad(

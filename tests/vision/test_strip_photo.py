@@ -5,15 +5,14 @@ import io
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-
 from measure_print import Array, pages
+
+from padstudio.arrays import Image
 from padstudio.errors import ImageError
 from padstudio.pad.sheets import strip
 from padstudio.render.pdf.strip import write_strip
 from padstudio.vision.strip_photo import estimate_crosstalk, linear_from_srgb, unmix
 
-Image = NDArray[np.uint8]
 MATRIX = np.array([[0.62, 0.14, 0.09], [0.06, 0.70, 0.10], [0.12, 0.17, 0.55]])
 OFFSET = 1 - MATRIX.sum(axis=1)
 

@@ -12,11 +12,11 @@ from typing import Literal
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError, CameraMismatchError
 
-Array = NDArray[np.float64]
 LensModel = Literal["radtan", "fisheye"]
 
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}

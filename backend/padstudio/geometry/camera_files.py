@@ -23,13 +23,12 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError
 from padstudio.geometry import plain_text
 from padstudio.geometry.camera import Camera, LensModel
 
-Array = NDArray[np.float64]
 Data = Mapping[str, Any]
 
 #: The largest side of a calibrated picture, pixels.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose, rotation_angle_deg
-from padstudio.vision.stage.detection import Array
 
 # Poses nearer to each other than this are one.
 _ALIKE_DEG = 0.05

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
 from padstudio.vision.pose.least_squares_kernel import solve, turned
-from padstudio.vision.stage.detection import Array
 
 
 @fast_jit

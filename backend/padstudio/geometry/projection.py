@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.stage.detection import Array
 
 # Moments beyond the frame, of points out of view, count up to here.
 _LATEST = 0.6

@@ -8,9 +8,9 @@ from functools import cached_property, lru_cache
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
-from padstudio.vision.stage.detection import Array
 
 # Poses that differ by less are one to begin with.
 _NEAR_RAD = 0.01

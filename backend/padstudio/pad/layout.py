@@ -12,9 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.spec import Channel, Layer, Pad
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

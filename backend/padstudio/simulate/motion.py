@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import SpecError
 from padstudio.geometry.pose import Pose
-
-Array = NDArray[np.float64]
 
 #: Instants per exposure at which a moving camera is placed.
 TIME_STEPS = 64

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.errors import SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
@@ -18,9 +18,6 @@ from padstudio.simulate.radiance.integrate import radiance
 from padstudio.simulate.radiance.lens import check_lens, frame_border
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging, encode_jpeg, expose
-
-Array = NDArray[np.float64]
-Image = NDArray[np.uint8]
 
 MIN_HEIGHT_MM = 1.0
 

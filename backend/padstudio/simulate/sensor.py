@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Image
 from padstudio.errors import SpecError
 from padstudio.simulate.radiance.inks import srgb_from_linear
 
 Light = NDArray[np.float32]
-Image = NDArray[np.uint8]
 
 _RAW_MAX = 65535
 

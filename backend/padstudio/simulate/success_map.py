@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg
@@ -21,8 +21,6 @@ from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.trajectories import MAX_FRAMES
 
-Array = NDArray[np.float64]
-Image = NDArray[np.uint8]
 Axis = Literal["tilt_deg", "blur_px"]
 
 #: Reads a frame: a pose, or None where there is none.

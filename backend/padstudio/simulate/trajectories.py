@@ -9,7 +9,6 @@ from typing import Literal, get_args
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
@@ -20,7 +19,6 @@ from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import Frame, check_pose, render
 from padstudio.simulate.sensor import Imaging
 
-Array = NDArray[np.float64]
 Path = Callable[[float], Pose]
 FlightKind = Literal["descent", "hover", "landing", "gusty", "tilts"]
 FLIGHT_KINDS: tuple[FlightKind, ...] = get_args(FlightKind)

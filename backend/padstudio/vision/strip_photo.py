@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.errors import ImageError, PadFormatError
 from padstudio.pad.crosstalk import Matrix, check_matrix, separation_warnings
 from padstudio.pad.sheets import strip
 from padstudio.pad.sheets.paper import Box
-from padstudio.vision.stage.detection import Array, Image
 
 _PX_PER_MM = 4
 _LEAST_MARKERS = 3

@@ -8,13 +8,13 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.frame.pyramid import halved
 from padstudio.vision.frame.yuv import YuvFrame
-from padstudio.vision.stage.detection import Image
 
 _SIDE_PX = 640
 _CELLS = 25

@@ -11,6 +11,7 @@ from typing import Any, get_args
 import cv2
 import numpy as np
 
+from padstudio.arrays import Image
 from padstudio.errors import ImageError
 from padstudio.geometry import camera_files
 from padstudio.media import images
@@ -18,7 +19,7 @@ from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import stages as overlays
-from padstudio.vision.stage.detection import Detection, Image, Method, StageRecord, Trace
+from padstudio.vision.stage.detection import Detection, Method, StageRecord, Trace
 from padstudio.vision.stage.params import DetectorParams, PrepareParams
 
 METHODS: tuple[Method, ...] = get_args(Method)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from measure_print import make_pad
+
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.sheets.paper import PAPERS_MM
 from padstudio.pad.sheets.tiling import SheetOptions, plan_sheets, sheet_name

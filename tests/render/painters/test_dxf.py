@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
 from measure_print import make_pad
+
 from padstudio.pad.layout import layout
 from padstudio.render.painters.dxf import paint_dxf
 

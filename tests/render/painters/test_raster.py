@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measure_print import edge_errors_mm, make_pad
 from PIL import Image
 
-from measure_print import edge_errors_mm, make_pad
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad

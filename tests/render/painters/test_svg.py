@@ -5,8 +5,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-
 from measure_print import make_pad
+
 from padstudio.pad.layout import layout
 from padstudio.render.painters.svg import paint_svg
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from measure_print import edge_errors_mm, make_pad, pages, pdf_info
 from numpy.typing import NDArray
 
-from measure_print import edge_errors_mm, make_pad, pages, pdf_info
 from padstudio.pad.identity import describe
 from padstudio.pad.layout import layout
 from padstudio.render.painters import raster

@@ -7,9 +7,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-
 from measure_print import Array, cut_marks, edge_errors_mm, make_pad, pages, pdf_info, pdf_text
+
+from padstudio.arrays import Image
 from padstudio.errors import SpecError
 from padstudio.pad.identity import label_text, pad_id
 from padstudio.pad.layout import Layout, crop, layout
@@ -18,7 +18,6 @@ from padstudio.pad.spec import Pad
 from padstudio.render.painters.options import PrintOptions
 from padstudio.render.pdf.sheets import write_sheets
 
-Image = NDArray[np.uint8]
 DPI = 200
 SCALE = DPI / 25.4
 

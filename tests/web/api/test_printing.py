@@ -11,11 +11,11 @@ import cv2
 import httpx
 import numpy as np
 import pytest
+from strip_photo import strip_photo
 from web_server import SMALL_SPEC, store_pad
 
 from padstudio.pad import files as pad_files
 from padstudio.pad.sheets.tiling import SheetOptions, plan_sheets
-from strip_photo import strip_photo
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]

@@ -18,13 +18,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import SpecError
 from padstudio.flights.exports.options import ExportOptions, Record, pose_of, timed
 from padstudio.geometry.pose import Pose
-
-Array = NDArray[np.float64]
 
 # The pad as a frame of the autopilots' kind: x up the page, y to its right, z into it.
 _R_PAD_TARGET = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])

@@ -14,8 +14,8 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.flights.exports.byte_stream import ByteStream
 from padstudio.flights.exports.mcap_schemas import SCHEMAS
 from padstudio.flights.exports.options import ExportOptions, Record, pose_of, timed
@@ -23,7 +23,6 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.media import content
 
-Array = NDArray[np.float64]
 Message = dict[str, Any]
 
 TOPICS = {

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
 from padstudio.flights.exports.vehicle import DOWNWARD, Mount, VehicleTrack
@@ -15,7 +14,6 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 
 Record = dict[str, Any]
-Array = NDArray[np.float64]
 
 #: Seconds from one still to the next, as stills have no times.
 STILL_INTERVAL_S = 1.0

@@ -7,6 +7,7 @@ from typing import Any
 
 import cv2
 
+from padstudio.arrays import Image
 from padstudio.errors import StudioError
 from padstudio.flights.exports.options import Record
 from padstudio.flights.results.frames import Results
@@ -16,7 +17,6 @@ from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.media.video_frames import read_frames
 from padstudio.store.database.flight_tables import FlightRow
-from padstudio.vision.stage.detection import Image
 
 #: Calls a function in a worker process and waits for it.
 Run = Callable[..., Any]

@@ -12,11 +12,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import SpecError
-
-Array = NDArray[np.float64]
 
 COLUMNS = ("time_s", "north_m", "east_m", "down_m", "qw", "qx", "qy", "qz")
 #: Over a longer gap between two poses of the vehicle nothing is known of it.

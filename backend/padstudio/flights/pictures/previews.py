@@ -9,8 +9,8 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.errors import ImageError
 from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import rotation_of
@@ -18,9 +18,6 @@ from padstudio.flights.tasks.frames import StillPart, read_still
 from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.pad import files as pad_files
-from padstudio.vision.stage.detection import Image
-
-Array = NDArray[np.float64]
 
 _BYTES_OF_TIMESTAMP = 8
 _QUALITY = 82

@@ -6,11 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import SpecError
-
-Array = NDArray[np.float64]
 
 # Seams in a wide quiet margin fall on a raster of this pitch.
 _QUIET_STEP_MM = 10.0

@@ -11,12 +11,10 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.errors import LimitError, SpecError
 from padstudio.pad.layout import Layout, layout
 from padstudio.pad.spec import Pad
-
-Array = NDArray[np.float64]
-Image = NDArray[np.uint8]
 
 #: The most pixels of a picture that is held in memory, and of one that is written band by band.
 MAX_ARRAY_PIXELS = 200_000_000

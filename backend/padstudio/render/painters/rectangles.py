@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.layout import Layout
 
-Array = NDArray[np.float64]
 Ranks = NDArray[np.int32]
 
 

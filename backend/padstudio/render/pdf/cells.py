@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from reportlab.pdfbase import pdfdoc
 from reportlab.pdfgen.canvas import Canvas
 
+from padstudio.arrays import Array
 from padstudio.pad.layout import Layout
 from padstudio.render.painters.inks import Ink, fill_operator
 from padstudio.render.painters.rectangles import iter_shapes
-
-Array = NDArray[np.float64]
 
 # Viewers and printers fill a path as a whole; long paths exceed what small printers hold.
 _SHAPES_PER_PATH = 250

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import SpecError
 
-Array = NDArray[np.float64]
 Rgb = tuple[float, float, float]
 
 

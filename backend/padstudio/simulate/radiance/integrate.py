@@ -8,12 +8,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.simulate.radiance.lens import ray_map
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.radiance.surface import illumination_of, surface_of
-
-Array = NDArray[np.float64]
 
 # Generators of rank-1 lattices of 16, 64 and 256 points: of all odd ones, those with the largest
 # least distance between points on the unit square, then in the three planes of the cube.

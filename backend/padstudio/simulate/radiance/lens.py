@@ -8,10 +8,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
-
-Array = NDArray[np.float64]
 
 MAX_FIELD_OF_VIEW_DEG = 170.0
 MAX_PIXELS = 50_000_000

@@ -8,12 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.layout import layout
 from padstudio.simulate.radiance.ground import SIZE, TEXEL_MM, texture
 from padstudio.simulate.radiance.inks import linear_from_srgb
 from padstudio.simulate.radiance.scene import Light, Scene
-
-Array = NDArray[np.float64]
 
 _SKY_SRGB = (140.0, 152.0, 176.0)
 

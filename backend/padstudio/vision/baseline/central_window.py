@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.vision.baseline.line_grid import Family, LineGrid
 from padstudio.vision.frame.pyramid import Plane
-from padstudio.vision.stage.detection import Array, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.coding.window_index import WindowIndex
 from padstudio.pad.spec import CHANNELS, Layer, Pad
 from padstudio.vision.baseline.central_window import CentralWindow
@@ -28,7 +29,7 @@ from padstudio.vision.cells.correlation import crop
 from padstudio.vision.cells.evidence import Evidence, judge
 from padstudio.vision.cells.sampling import CellGrid, read_cells
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.stage.detection import Array, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import PaperParams
 
 Levels = NDArray[np.int8]

@@ -8,11 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.geometry.camera import Camera
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.stage.detection import Array, Image, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 
 # Canny's two thresholds on a stretched picture of 0 … 255; a black and white one passes any.
 _LOW, _HIGH = 40.0, 110.0

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.vision.baseline.hough import Lines, homogeneous
 from padstudio.vision.baseline.vanishing_points import aligned, two_vanishing_points
-from padstudio.vision.stage.detection import Array, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 
 Flags = NDArray[np.bool_]
 

@@ -18,6 +18,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.baseline.central_window import central_window
@@ -37,7 +38,7 @@ from padstudio.vision.outline.quadrilateral import (
     find_outline,
     outline_pose,
 )
-from padstudio.vision.stage.detection import Detection, Image, StageFailure
+from padstudio.vision.stage.detection import Detection, StageFailure
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Recorder
 

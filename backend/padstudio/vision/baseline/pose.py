@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import PlanarPose, planar_pose
 from padstudio.geometry.pose import Pose
@@ -19,7 +20,7 @@ from padstudio.vision.outline.corner_pose import (
     corner_sigma_px,
     unsure,
 )
-from padstudio.vision.stage.detection import Array, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import PaperParams
 
 # Lines are no better than this share of a plane's pixel, whatever their residuals say.

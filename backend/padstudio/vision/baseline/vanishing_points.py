@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.vision.baseline.hough import homogeneous
-from padstudio.vision.stage.detection import Array
 
 Flags = NDArray[np.bool_]
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
 from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
-from padstudio.vision.stage.detection import Array
 
 # So many lines of cells tell how wide they are.
 _TELLING = 16

@@ -14,10 +14,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.evidence import Evidence, judge
 from padstudio.vision.cells.sampling import CellGrid, relative_field
-from padstudio.vision.stage.detection import Array
 
 Spectrum = NDArray[np.complex128] | NDArray[np.complex64]
 

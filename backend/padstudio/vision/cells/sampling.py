@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.pad.spec import Channel
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.stage.detection import Array
 
 #: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
 ToPixels = Callable[[Array], Array]

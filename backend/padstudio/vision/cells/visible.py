@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.stage.detection import Array
 
 _GRID = 12
 # Rays nearer to the horizon than this cosine meet the plane beyond any pad.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.pose import Pose
@@ -34,7 +35,7 @@ from padstudio.vision.frame.yuv import YuvFrame
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import LayerRead, Measurement, Rung
 from padstudio.vision.search.search import Miss, Search, Sighting, sightings
-from padstudio.vision.stage.detection import Detection, Image, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection, Reason, StageFailure
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Recorder
 

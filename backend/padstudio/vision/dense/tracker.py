@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
-from padstudio.vision.stage.detection import Array, Detection
+from padstudio.vision.stage.detection import Detection
 
 # Sums of the share's least squares are forgotten by this factor a frame.
 _MEMORY = 0.98

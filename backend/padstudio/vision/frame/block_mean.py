@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from padstudio.arrays import Image
 from padstudio.vision.frame.pyramid import Plane
-from padstudio.vision.stage.detection import Image
 
 
 @dataclass(frozen=True, eq=False)

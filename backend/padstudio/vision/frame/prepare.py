@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Image
 from padstudio.pad.crosstalk import Matrix
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.frame.pyramid import BGR_INDEX, Box, Plane, Pyramid, Window
 from padstudio.vision.frame.yuv import YuvFrame, YuvPyramid
-from padstudio.vision.stage.detection import Image
 from padstudio.vision.stage.params import PrepareParams
 from padstudio.vision.stage.trace import Recorder
 from padstudio.vision.strip_photo import unmix

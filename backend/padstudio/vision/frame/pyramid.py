@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.pad.spec import Channel
-from padstudio.vision.stage.detection import Array, Image
 
 #: Where a channel lies in OpenCV's pixel order.
 BGR_INDEX: dict[Channel, int] = {"blue": 0, "green": 1, "red": 2}

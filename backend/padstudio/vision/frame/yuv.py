@@ -14,9 +14,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Image
 from padstudio.pad.spec import Channel
 from padstudio.vision.frame.pyramid import NO_COLOURS, Pyramid, Window
-from padstudio.vision.stage.detection import Image
 
 Standard = Literal["bt601", "bt709"]
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import least_squares
 from padstudio.geometry.pose import Pose
-from padstudio.vision.stage.detection import Array, Reason, StageFailure, Uncertainty
+from padstudio.vision.stage.detection import Reason, StageFailure, Uncertainty
 
 
 def corner_residuals(pose: Pose, camera: Camera, points_mm: Array, xy: Array) -> Array:

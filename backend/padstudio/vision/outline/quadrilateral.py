@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.pose import Pose
@@ -30,7 +31,7 @@ from padstudio.vision.outline.corner_pose import (
 )
 from padstudio.vision.outline.sides import Side, fit_side
 from padstudio.vision.pose.results import LayerRead
-from padstudio.vision.stage.detection import Array, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 
 # A sign seen at this few pixels a side has no readable cells.
 _LEAST_SIDE_PX = 30.0

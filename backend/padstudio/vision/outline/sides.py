@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import CHANNELS, Pad
 from padstudio.vision.frame.pyramid import BGR_INDEX, Pyramid
-from padstudio.vision.stage.detection import Array
 
 # Profiles across a side: their number at the most, and positions along each in units of its reach.
 _MOST_PROFILES = 240

@@ -8,6 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from padstudio.arrays import Array, Image
 from padstudio.pad.spec import Channel
 from padstudio.vision.baseline.central_window import CentralWindow
 from padstudio.vision.baseline.decode import WindowRead
@@ -17,7 +18,7 @@ from padstudio.vision.baseline.line_grid import Family, LineGrid
 from padstudio.vision.baseline.pose import WindowChoice, WindowPose
 from padstudio.vision.outline.quadrilateral import Outline, OutlinePose
 from padstudio.vision.overlays import canvas as drawing
-from padstudio.vision.stage.detection import Array, Image, Trace
+from padstudio.vision.stage.detection import Trace
 
 Painter = Callable[[Trace, Any, Channel | None], Image]
 

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array, Image
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.cells.sampling import CellGrid
 from padstudio.vision.pose.results import Measurement
 from padstudio.vision.search.lattice import Lattice
-from padstudio.vision.stage.detection import Array, Image
 
 Color = tuple[int, int, int]
 

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Image
 from padstudio.pad.spec import Channel
 from padstudio.vision.cells.correlation import Placement
 from padstudio.vision.dense.choose import Choice
@@ -22,7 +23,7 @@ from padstudio.vision.pose.results import LayerRead, Measurement
 from padstudio.vision.search.edges import EdgeSet
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies
-from padstudio.vision.stage.detection import Detection, Image, StageFailure, Trace
+from padstudio.vision.stage.detection import Detection, StageFailure, Trace
 
 MAX_WIDTH = drawing.MAX_WIDTH
 

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.stage.detection import Array
 
 #: Terms of a shading; those that a layer's gain shares with it come first.
 SHADE, GAIN = 6, 3

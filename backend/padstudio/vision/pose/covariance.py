@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose
-from padstudio.vision.stage.detection import Array
 
 #: Tiles a side over what was measured.
 TILES = 8

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Window
-from padstudio.vision.stage.detection import Array
 
 #: Fewer borders leave a pose undetermined.
 LEAST_BORDERS = 12

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
 from padstudio.geometry.projection import picture, seen_at
 from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
-from padstudio.vision.stage.detection import Array
 
 # Samples of a profile, and the lines side by side that it is averaged over.
 _STEPS, _BESIDE_LINES = 13, 3

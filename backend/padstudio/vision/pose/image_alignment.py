@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.pad.spec import Pad
@@ -31,7 +32,6 @@ from padstudio.vision.pose.template import (
     pixels_of,
     texture_of,
 )
-from padstudio.vision.stage.detection import Array
 
 #: More pixels than this are thinned evenly: in a still, and where a pose is followed.
 MOST_PIXELS, FOLLOWED_PIXELS = 16_000, 8_000

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, normalized
@@ -27,7 +28,6 @@ from padstudio.vision.pose.covariance import (
     tiles_of,
 )
 from padstudio.vision.pose.edge_points import LEAST_BORDERS, Measured
-from padstudio.vision.stage.detection import Array
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
 # of attitude in radians. A landing drone's 0.5 m/s at 2 m and 10°/s in 20 ms are of this size.

@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.stage.detection import Array
 
 # Weighted points above this share of the best one's trust tell the scatter.
 _TELLING = 0.3

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.pad.spec import Layer, Pad
@@ -29,7 +30,6 @@ from padstudio.vision.pose.edge_points import (
 from padstudio.vision.pose.image_alignment import FOLLOWED_PIXELS, MOST_PIXELS, Match
 from padstudio.vision.pose.least_squares import Fit, better_of, fit_pose
 from padstudio.vision.pose.results import LayerRead, Measurement, Rung
-from padstudio.vision.stage.detection import Array
 from padstudio.vision.stage.params import DetectorParams
 
 # Profiles reach this far, and are taken where a cell is about this wide, pixels of the window.

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose, normalized
@@ -16,7 +17,6 @@ from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Box, Pyramid
 from padstudio.vision.pose.covariance import tiles_of
-from padstudio.vision.stage.detection import Array
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
 # latter.

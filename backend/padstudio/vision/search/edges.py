@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import cross, normalized
 from padstudio.vision.frame.pyramid import Plane
-from padstudio.vision.stage.detection import Array
 
 # A step counts where it is this much above the mean step of its neighbourhood …
 _OVER_LOCAL = 1.2

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.vision.search.line_spacing import LineFamilies
-from padstudio.vision.stage.detection import Array
 
 _FIRST_RADIUS = 5.0
 _GROWTH = 1.5

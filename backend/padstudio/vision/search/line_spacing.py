@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.vision.search.edges import EdgeSet
 from padstudio.vision.search.plane_normals import LEAST_COSINE
-from padstudio.vision.stage.detection import Array
 
 # An edge belongs to a family when its direction on the plane is within this slope of the axis.
 _LEAST_SLOPE = 0.18

@@ -14,8 +14,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.vision.search.edges import EdgeSet
-from padstudio.vision.stage.detection import Array
 
 # Rings of candidate normals: (tilt in degrees, how many); denser where foreshortening is strong.
 _LOW_RINGS = ((12, 6), (23, 11), (33, 15), (42, 20))

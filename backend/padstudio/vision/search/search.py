@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel
 from padstudio.vision.cells.correlation import LayerIndex, Placement
@@ -22,7 +23,7 @@ from padstudio.vision.search.edges import EdgeSet, find_edges
 from padstudio.vision.search.lattice import Lattice, find_lattice
 from padstudio.vision.search.line_spacing import find_lines
 from padstudio.vision.search.plane_normals import find_axes
-from padstudio.vision.stage.detection import Array, Reason, StageFailure
+from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import DetectorParams, SearchParams
 from padstudio.vision.stage.trace import Recorder
 

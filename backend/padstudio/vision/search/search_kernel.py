@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.stage.detection import Array
 
 
 @fast_jit

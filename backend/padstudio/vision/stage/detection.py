@@ -10,14 +10,10 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from padstudio.arrays import Array, Image
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Channel
 
-Array = NDArray[np.float64]
-Image = NDArray[np.uint8]
 Method = Literal["dense", "paper"]
 
 #: The stages in their order. Those up to ``decode`` run once a channel.

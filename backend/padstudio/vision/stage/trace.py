@@ -7,8 +7,9 @@ from collections import defaultdict
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
+from padstudio.arrays import Image
 from padstudio.pad.spec import Channel
-from padstudio.vision.stage.detection import Image, StageRecord, Trace
+from padstudio.vision.stage.detection import StageRecord, Trace
 
 P = ParamSpec("P")
 T = TypeVar("T")
