@@ -10,7 +10,8 @@ from padstudio.cli.program import app
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad import files
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.stage.detection import STAGES, Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import STAGES, Reason, StageFailure
 
 CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")

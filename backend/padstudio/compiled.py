@@ -10,15 +10,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
-import numpy as np
-from numpy.typing import NDArray
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-_STEP = np.uint64(0x9E3779B97F4A7C15)
-_MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
-_MIX_2 = np.uint64(0x94D049BB133111EB)
-_S27, _S30, _S31, _S33 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(33)
 
 
 # Sums may be taken in any order and products fused; NaN and infinity keep their meaning.
@@ -44,24 +37,3 @@ def _compiled(function: Function, **options: Any) -> Function:
         return cast(Function, numba.njit(cache=True, nogil=True, **options)(function))
     except RuntimeError:
         return cast(Function, numba.njit(nogil=True, **options)(function))
-
-
-@jit
-def draw(state: NDArray[np.uint64], below: int) -> int:
-    """A number 0 … below − 1; the stream depends on ``state`` (1,) alone, on every platform.
-
-    SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014,
-    doi:10.1145/2660193.2660195.
-    """
-    state[0] += _STEP
-    z = state[0]
-    z = (z ^ (z >> _S30)) * _MIX_1
-    z = (z ^ (z >> _S27)) * _MIX_2
-    z = z ^ (z >> _S31)
-    return int(np.int64(z >> _S33)) % below
-
-
-def random_state(seed: int, stream: int = 0) -> NDArray[np.uint64]:
-    """The (1,) uint64 state for a seed of any size; other streams are independent of it."""
-    entropy = np.random.SeedSequence([abs(seed), int(seed < 0), stream])
-    return entropy.generate_state(1, np.uint64).astype(np.uint64)

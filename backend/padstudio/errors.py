@@ -2,7 +2,7 @@
 
 An error has a stable ``code`` (for programs), a message that says what is wrong and what to do
 (for people), an HTTP ``status`` and a process ``exit_code``. Finding nothing in a picture is not
-an error: see `padstudio.vision.stage.detection.StageFailure`.
+an error: see `padstudio.vision.stage.trace.StageFailure`.
 """
 
 from __future__ import annotations

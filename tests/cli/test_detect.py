@@ -9,7 +9,8 @@ from places import ROOT
 
 from padstudio.flights import batch
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 SAMPLES = ROOT / "samples"
 GIVEN = ("--pad", SAMPLES / "pad.json", "--camera", SAMPLES / "camera.yaml")

@@ -12,7 +12,8 @@ from mcap.reader import make_reader
 from places import ROOT
 
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 SAMPLES = ROOT / "samples"
 LANDING = ROOT / "tests" / "footage" / "flights" / "landing.mp4"

@@ -13,6 +13,7 @@ import pytest
 import videos
 from videos import number_of
 
+from padstudio.arrays import YuvFrame
 from padstudio.errors import LimitError, StorageError
 from padstudio.media.video import VideoError
 from padstudio.media.video_frames import read_frames
@@ -20,7 +21,7 @@ from padstudio.media.video_index import VideoIndex, read_index
 from padstudio.pad.spec import Channel
 from padstudio.vision.cells import cells_kernel
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.frame.yuv import YuvFrame, YuvPyramid
+from padstudio.vision.frame.yuv import YuvPyramid
 
 FRAMES = 40
 KINDS: dict[str, dict[str, Any]] = {

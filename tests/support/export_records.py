@@ -8,7 +8,8 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 CAMERA = Camera(640, 480, np.array([[500.0, 0, 318], [0, 510, 242], [0, 0, 1]]))
 PAD_SIZE_MM = (400.0, 300.0)

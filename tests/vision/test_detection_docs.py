@@ -7,8 +7,8 @@ import pytest
 from paper_frames import FOOTAGE
 
 from padstudio.vision.cells.evidence import LEAST_SKILL
-from padstudio.vision.stage.detection import STAGES, Reason
 from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.trace import STAGES, Reason
 
 TEXT = (FOOTAGE.parents[1] / "docs" / "detection.md").read_text(encoding="utf-8")
 

@@ -9,7 +9,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.coverage.spans import METHOD_LIMITS
 from padstudio.vision.detector import Detector
-from padstudio.vision.stage.detection import STAGES, Reason
+from padstudio.vision.stage.trace import STAGES, Reason
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,12 @@ import pytest
 from measure_print import Array, pages
 
 from padstudio.arrays import Image
+from padstudio.color import linear_from_srgb
 from padstudio.errors import ImageError
 from padstudio.pad.sheets import strip
 from padstudio.render.pdf.strip import write_strip
-from padstudio.vision.strip_photo import estimate_crosstalk, linear_from_srgb, unmix
+from padstudio.vision.frame.unmix import unmix
+from padstudio.vision.strip_photo import estimate_crosstalk
 
 MATRIX = np.array([[0.62, 0.14, 0.09], [0.06, 0.70, 0.10], [0.12, 0.17, 0.55]])
 OFFSET = 1 - MATRIX.sum(axis=1)
@@ -88,7 +90,7 @@ def photograph(
         flags=cv2.INTER_AREA,
         borderValue=(255, 255, 255),
     )
-    linear = linear_from_srgb(flat.astype(float)) @ matrix.T + offset
+    linear = linear_from_srgb(flat.astype(float) / 255) @ matrix.T + offset
     linear *= light * (1 - fall * np.linspace(0, 1, flat.shape[1]))[None, :, None]
     shown = 255 * np.where(
         linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055

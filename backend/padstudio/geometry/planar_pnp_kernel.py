@@ -8,7 +8,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.pose.least_squares_kernel import solve, turned
+from padstudio.geometry.small_matrices import solve, turned
 
 
 @fast_jit

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from padstudio.arrays import Image
+from padstudio.arrays import Image, Standard, YuvFrame
 from padstudio.errors import LimitError
 from padstudio.media.video import MAX_PIXELS, decode, main_stream, open_container
-from padstudio.vision.frame.yuv import Standard, YuvFrame
 
 if TYPE_CHECKING:
     from av import VideoFrame

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Image
+from padstudio.color import srgb_from_linear
 from padstudio.errors import SpecError
-from padstudio.simulate.radiance.inks import srgb_from_linear
 
 Light = NDArray[np.float32]
 

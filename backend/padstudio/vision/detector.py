@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from padstudio.arrays import Image
+from padstudio.arrays import Image, YuvFrame
 from padstudio.errors import ImageError
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
 from padstudio.vision.baseline.method import Paper
 from padstudio.vision.dense.method import Dense
 from padstudio.vision.dense.tracker import Tracker
-from padstudio.vision.frame.yuv import YuvFrame
 from padstudio.vision.stage.detection import Detection, Method
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Recorder

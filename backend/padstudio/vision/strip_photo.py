@@ -1,4 +1,4 @@
-"""What a printer and a camera make of the pad's colours, and how to take it back.
+"""What a printer and a camera make of the pad's colours, measured on a photo of the test strip.
 
 No ink reflects one channel alone and no camera channel sees one alone: part of the red layer shows
 in the blue channel and the other way round. A photo of the test strip (`pad.sheets.strip`)
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Array, Image
+from padstudio.color import linear_from_srgb
 from padstudio.errors import ImageError, PadFormatError
-from padstudio.pad.crosstalk import Matrix, check_matrix, separation_warnings
+from padstudio.pad.crosstalk import check_matrix, separation_warnings
 from padstudio.pad.sheets import strip
 from padstudio.pad.sheets.paper import Box
 
@@ -80,7 +80,7 @@ def estimate_crosstalk(bgr: Image) -> Crosstalk:
     seen = dict(
         zip(
             [patch.name for patch in strip.PATCHES],
-            linear_from_srgb(patches) / np.maximum(linear_from_srgb(paper), 1e-4),
+            linear_from_srgb(patches / 255) / np.maximum(linear_from_srgb(paper / 255), 1e-4),
             strict=True,
         )
     )
@@ -98,47 +98,6 @@ def estimate_crosstalk(bgr: Image) -> Crosstalk:
         warnings=warnings,
         usable=not faults,
     )
-
-
-def unmix(bgr: Image, matrix: Matrix | Array) -> Image:
-    """A frame with its channels taken apart again.
-
-    White stays as it is; the exposure need not be known.
-
-    Parameters
-    ----------
-    bgr : (H, W, 3) uint8
-    matrix : (3, 3)
-        As `Crosstalk.matrix`.
-
-    Returns
-    -------
-    (H, W, 3) uint8
-        BGR, sRGB encoded as the frame was.
-    """
-    inverse = np.linalg.inv(np.array(matrix, float))
-    # Rows that sum to 1 keep white; what black reflects is spread over the channels alike.
-    inverse /= inverse.sum(axis=1, keepdims=True)
-    table = linear_from_srgb(np.arange(256.0)).astype(np.float32)
-    linear = cv2.LUT(bgr, table)
-    apart = cv2.transform(linear, inverse[::-1, ::-1].astype(np.float32))
-    return srgb_from_linear(np.asarray(apart, np.float32))
-
-
-def linear_from_srgb(values: Array) -> Array:
-    """Linear light 0 … 1 from 8-bit sRGB values (IEC 61966-2-1)."""
-    share = np.asarray(values, float) / 255
-    linear: Array = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
-    return linear
-
-
-def srgb_from_linear(linear: NDArray[np.float32]) -> Image:
-    """8-bit sRGB values from linear light, clipped to 0 … 1, by a table of 4096 steps."""
-    steps = np.arange(4096) / 4095
-    share = np.where(steps <= 0.0031308, 12.92 * steps, 1.055 * steps ** (1 / 2.4) - 0.055)
-    table = np.round(255 * share).astype(np.uint8)
-    encoded: Image = table[np.clip(linear * 4095 + 0.5, 0, 4095).astype(np.uint16)]
-    return encoded
 
 
 def _flatten(bgr: Image) -> Image:

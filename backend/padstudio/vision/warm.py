@@ -8,13 +8,12 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from padstudio.arrays import Image
+from padstudio.arrays import Image, YuvFrame
 from padstudio.geometry.camera import Camera
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.frame.pyramid import halved
-from padstudio.vision.frame.yuv import YuvFrame
 
 _SIDE_PX = 640
 _CELLS = 25

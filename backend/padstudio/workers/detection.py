@@ -19,8 +19,9 @@ from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import stages as overlays
-from padstudio.vision.stage.detection import Detection, Method, StageRecord, Trace
+from padstudio.vision.stage.detection import Detection, Method
 from padstudio.vision.stage.params import DetectorParams, PrepareParams
+from padstudio.vision.stage.trace import StageRecord, Trace
 
 METHODS: tuple[Method, ...] = get_args(Method)
 RESULT = "result"

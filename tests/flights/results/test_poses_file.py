@@ -8,7 +8,8 @@ import pytest
 
 from padstudio.flights.results.poses_file import PosesFormatError, read_poses
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 GOOD = Detection(look_at_pad(500), layer="red").to_record("a.mp4", frame=3, time_s=0.1)
 FAILED = Detection(None, StageFailure("lines", Reason.NO_LATTICE, "")).to_record("a.jpg")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from padstudio.errors import SpecError
-from padstudio.simulate.radiance.inks import Inks, linear_from_srgb, srgb_from_linear
+from padstudio.color import linear_from_srgb, srgb_from_linear
+from padstudio.simulate.radiance.inks import Inks
 
 
 def test_srgb_goes_there_and_back():

@@ -8,7 +8,7 @@ from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.baseline.central_window import CentralWindow, central_window
 from padstudio.vision.baseline.hough import Lines
 from padstudio.vision.baseline.line_grid import Family, LineGrid, find_line_grid
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 PITCH = 40.0
 

@@ -10,8 +10,8 @@ from padstudio.vision.baseline.decode import WindowDecoder, WindowRead
 from padstudio.vision.baseline.hough import Lines
 from padstudio.vision.baseline.line_grid import Family, LineGrid
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import PaperParams
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 PITCH, WINDOW = 40, 4
 PARAMS = PaperParams()

@@ -10,7 +10,7 @@ from padstudio.vision.baseline.edges import find_edge_map
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Box, Plane
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 WHOLE = Region(Box(0, 0, WIDTH, HEIGHT), None, 0)
 

@@ -7,7 +7,7 @@ from paper_frames import HEIGHT, WIDTH, edge_map
 
 from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.baseline.hough import find_merged_lines, homogeneous
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 def drawn(strokes):

@@ -8,7 +8,7 @@ from paper_frames import grid_lines, lattice_view, small_camera
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.baseline.line_grid import LineGrid, _places, find_line_grid
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 def view_of(tilt_deg=30.0, heading_deg=20.0, towards_deg=60.0, height_mm=600.0):

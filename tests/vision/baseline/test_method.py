@@ -7,7 +7,7 @@ from paper_frames import errors, frame_of, paper_camera, sample_pad
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.detector import Detector
-from padstudio.vision.stage.detection import STAGES, StageFailure
+from padstudio.vision.stage.trace import STAGES, StageFailure
 
 
 @pytest.fixture(scope="module")

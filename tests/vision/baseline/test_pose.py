@@ -10,8 +10,8 @@ from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.baseline.decode import WindowRead
 from padstudio.vision.baseline.pose import WindowPose, choose_larger, window_pose
 from padstudio.vision.detector import Detector
-from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import PaperParams
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 POSE = look_at_pad(450.0, tilt_deg=25, heading_deg=70, tilt_towards_deg=10)
 

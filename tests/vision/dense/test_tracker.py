@@ -11,7 +11,8 @@ from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.trajectories import motion_along
 from padstudio.vision.dense.tracker import Tracker
 from padstudio.vision.detector import Detector
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 LOST = Detection(None, StageFailure("decode", Reason.UNKNOWN_CODE, ""))
 FPS = 30.0

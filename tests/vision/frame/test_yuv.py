@@ -5,12 +5,13 @@ import numpy as np
 import pytest
 from dense_frames import errors, frame_of, near_view, params, recorder, sample_pad, small_camera
 
+from padstudio.arrays import YuvFrame
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.cells import cells_kernel
 from padstudio.vision.detector import Detector
 from padstudio.vision.frame.prepare import find_denoise, prepare
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.frame.yuv import YuvFrame, YuvPyramid
+from padstudio.vision.frame.yuv import YuvPyramid
 
 
 def in_planes(bgr):

@@ -14,7 +14,7 @@ from padstudio.vision.outline.corner_pose import (
     uncertainty,
     unsure,
 )
-from padstudio.vision.stage.detection import Reason
+from padstudio.vision.stage.trace import Reason
 
 SQUARE_MM = np.array([[-25, 25, 0], [25, 25, 0], [25, -25, 0], [-25, -25, 0]], float)
 

@@ -17,7 +17,7 @@ from padstudio.vision.outline.quadrilateral import (
     find_outline,
     outline_pose,
 )
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 def half_camera():

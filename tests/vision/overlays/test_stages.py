@@ -13,8 +13,7 @@ from padstudio.simulate.sensor import Imaging
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import canvas
 from padstudio.vision.overlays.stages import MAX_WIDTH, result_picture, stage_picture
-from padstudio.vision.stage.detection import Reason, StageFailure
-from padstudio.vision.stage.trace import Recorder
+from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import find_regions
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.search.search import Search, Sighting, place, sightings
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 CAMERA = small_camera()
 RED, BLUE = (sample_pad().layer(channel) for channel in ("red", "blue"))

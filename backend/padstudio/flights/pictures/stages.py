@@ -14,7 +14,8 @@ from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.flights.tasks.frames import StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import recipe_of, still_part, video_part
 from padstudio.store.database.flight_tables import ChunkRow, FlightRow
-from padstudio.vision.stage.detection import STAGES, Detection
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import STAGES
 from padstudio.workers import detection as analysis
 
 Kind = Literal["webp", "png"]

@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from padstudio.arrays import Image
+from padstudio.arrays import Image, YuvFrame
 from padstudio.errors import ImageError, StudioError
 from padstudio.flights.cluster.stopping import TaskStoppedError
 from padstudio.flights.tasks.detectors import Recipe, detector_for
@@ -23,7 +23,6 @@ from padstudio.media import images
 from padstudio.media.remote import read_bytes
 from padstudio.media.video_frames import VideoPicture, read_frames
 from padstudio.vision.detector import Detector
-from padstudio.vision.frame.yuv import YuvFrame
 from padstudio.vision.stage.detection import Detection
 
 Record = dict[str, Any]

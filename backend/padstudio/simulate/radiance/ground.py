@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.simulate.radiance.inks import linear_from_srgb
+from padstudio.color import linear_from_srgb
 from padstudio.simulate.radiance.scene import GroundKind
 
 Plane = NDArray[np.float32]

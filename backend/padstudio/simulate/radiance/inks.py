@@ -8,21 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.color import linear_from_srgb
 from padstudio.errors import SpecError
 
 Rgb = tuple[float, float, float]
-
-
-def linear_from_srgb(values: Array) -> Array:
-    """Linear light 0 … 1 from sRGB values 0 … 1 (IEC 61966-2-1)."""
-    values = np.asarray(values, float)
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-
-
-def srgb_from_linear(values: Array) -> Array:
-    """sRGB values 0 … 1 from linear light 0 … 1 (IEC 61966-2-1)."""
-    values = np.clip(values, 0.0, 1.0)
-    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)
 
 
 @dataclass(frozen=True, kw_only=True)

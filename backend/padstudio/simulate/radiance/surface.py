@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.color import linear_from_srgb
 from padstudio.pad.layout import layout
 from padstudio.simulate.radiance.ground import SIZE, TEXEL_MM, texture
-from padstudio.simulate.radiance.inks import linear_from_srgb
 from padstudio.simulate.radiance.scene import Light, Scene
 
 _SKY_SRGB = (140.0, 152.0, 176.0)

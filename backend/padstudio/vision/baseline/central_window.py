@@ -10,7 +10,7 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.vision.baseline.line_grid import Family, LineGrid
 from padstudio.vision.frame.pyramid import Plane
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 @dataclass(frozen=True, eq=False)

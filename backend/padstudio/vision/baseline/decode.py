@@ -29,8 +29,8 @@ from padstudio.vision.cells.correlation import crop
 from padstudio.vision.cells.evidence import Evidence, judge
 from padstudio.vision.cells.sampling import CellGrid, read_cells
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import PaperParams
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 Levels = NDArray[np.int8]
 T = TypeVar("T", bound=np.generic)

@@ -13,7 +13,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 # Canny's two thresholds on a stretched picture of 0 … 255; a black and white one passes any.
 _LOW, _HIGH = 40.0, 110.0

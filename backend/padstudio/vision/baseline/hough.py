@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.vision.baseline.edges import EdgeMap
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 # A segment must gather this share of the plane's longer side, and may have gaps of this share:
 # cells of equal level have no border between them.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.vision.baseline.hough import Lines, homogeneous
 from padstudio.vision.baseline.vanishing_points import aligned, two_vanishing_points
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 Flags = NDArray[np.bool_]
 

@@ -38,9 +38,9 @@ from padstudio.vision.outline.quadrilateral import (
     find_outline,
     outline_pose,
 )
-from padstudio.vision.stage.detection import Detection, StageFailure
+from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.params import DetectorParams
-from padstudio.vision.stage.trace import Recorder
+from padstudio.vision.stage.trace import Recorder, StageFailure
 
 LayerName = Literal["red", "green", "blue", "outline"]
 

@@ -20,8 +20,8 @@ from padstudio.vision.outline.corner_pose import (
     corner_sigma_px,
     unsure,
 )
-from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import PaperParams
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 # Lines are no better than this share of a plane's pixel, whatever their residuals say.
 _LEAST_SIGMA = 0.1

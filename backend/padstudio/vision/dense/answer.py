@@ -11,7 +11,8 @@ from padstudio.vision.pose.covariance import with_bend, with_picture_shift
 from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import most_residual_px
 from padstudio.vision.pose.results import Measurement
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure, Uncertainty
+from padstudio.vision.stage.detection import Detection, Uncertainty
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 def unfit(measurement: Measurement | None) -> StageFailure | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from padstudio.pad.spec import Layer
 from padstudio.vision.pose.results import LayerRead
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,7 @@ from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.pose.results import LayerRead
 from padstudio.vision.search.search import Miss, Search, find, place
-from padstudio.vision.stage.detection import Reason, StageFailure
-from padstudio.vision.stage.trace import Recorder
+from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 # A cell is this wide where its layer is shown, pixels of the plane.
 _SHOWN_CELL_PX = 9.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from padstudio.arrays import Image
+from padstudio.arrays import Image, YuvFrame
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.pose import Pose
@@ -31,13 +31,12 @@ from padstudio.vision.frame.diagnosis import Suspect, diagnose
 from padstudio.vision.frame.prepare import find_stretch, prepare
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region, find_regions
-from padstudio.vision.frame.yuv import YuvFrame
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import LayerRead, Measurement, Rung
 from padstudio.vision.search.search import Miss, Search, Sighting, sightings
-from padstudio.vision.stage.detection import Detection, Reason, StageFailure
+from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.params import DetectorParams
-from padstudio.vision.stage.trace import Recorder
+from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 # Below this ratio of the two planar poses' errors the first one is beyond doubt.
 _CLEAR = 0.15

@@ -22,7 +22,7 @@ from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import LayerRead
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 # With the sign's own outline there are four places to choose from instead of thousands, so cells
 # that are too small to be read without errors suffice.

@@ -20,7 +20,7 @@ from padstudio.pad.spec import Pad
 from padstudio.vision.frame.prepare import Stretch
 from padstudio.vision.frame.pyramid import Box, Pyramid
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 # Brightest grey value below which a frame is too dark, and share of burnt-out pixels.
 _DARK_TOP, _BURNT = 24.0, 0.2

@@ -8,14 +8,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.arrays import Image
+from padstudio.arrays import Image, YuvFrame
 from padstudio.pad.crosstalk import Matrix
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.frame.pyramid import BGR_INDEX, Box, Plane, Pyramid, Window
-from padstudio.vision.frame.yuv import YuvFrame, YuvPyramid
+from padstudio.vision.frame.unmix import unmix
+from padstudio.vision.frame.yuv import YuvPyramid
 from padstudio.vision.stage.params import PrepareParams
 from padstudio.vision.stage.trace import Recorder
-from padstudio.vision.strip_photo import unmix
 
 # Percentiles rather than extremes: one hot pixel must not decide.
 _DARK, _BRIGHT = 0.5, 99.5

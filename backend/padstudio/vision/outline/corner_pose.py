@@ -9,7 +9,8 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import least_squares
 from padstudio.geometry.pose import Pose
-from padstudio.vision.stage.detection import Reason, StageFailure, Uncertainty
+from padstudio.vision.stage.detection import Uncertainty
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 def corner_residuals(pose: Pose, camera: Camera, points_mm: Array, xy: Array) -> Array:

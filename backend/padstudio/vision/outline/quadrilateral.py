@@ -31,7 +31,7 @@ from padstudio.vision.outline.corner_pose import (
 )
 from padstudio.vision.outline.sides import Side, fit_side
 from padstudio.vision.pose.results import LayerRead
-from padstudio.vision.stage.detection import Reason, StageFailure
+from padstudio.vision.stage.trace import Reason, StageFailure
 
 # A sign seen at this few pixels a side has no readable cells.
 _LEAST_SIDE_PX = 30.0

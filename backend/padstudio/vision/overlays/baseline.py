@@ -18,7 +18,7 @@ from padstudio.vision.baseline.line_grid import Family, LineGrid
 from padstudio.vision.baseline.pose import WindowChoice, WindowPose
 from padstudio.vision.outline.quadrilateral import Outline, OutlinePose
 from padstudio.vision.overlays import canvas as drawing
-from padstudio.vision.stage.detection import Trace
+from padstudio.vision.stage.trace import Trace
 
 Painter = Callable[[Trace, Any, Channel | None], Image]
 

@@ -23,7 +23,8 @@ from padstudio.vision.pose.results import LayerRead, Measurement
 from padstudio.vision.search.edges import EdgeSet
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies
-from padstudio.vision.stage.detection import Detection, StageFailure, Trace
+from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.trace import StageFailure, Trace
 
 MAX_WIDTH = drawing.MAX_WIDTH
 
@@ -35,7 +36,7 @@ def stage_picture(trace: Trace, name: str, channel: Channel | None = None) -> Im
     ----------
     trace : Trace
     name : str
-        One of `padstudio.vision.stage.detection.STAGES`.
+        One of `padstudio.vision.stage.trace.STAGES`.
     channel : {"red", "green", "blue"} or None
 
     Returns

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
+from padstudio.geometry.small_matrices import solve, turned
 
 # Weighted points above this share of the best one's trust tell the scatter.
 _TELLING = 0.3
@@ -96,64 +97,6 @@ def scores(
         for k in range(size):
             out[tile[i], k] += t * (rows[i, 1 + k] if k < 6 else moment[i] * rows[i, k - 5])
     return out
-
-
-@fast_jit
-def solve(matrix: Array, right: Array) -> tuple[bool, Array]:
-    """Solution of a symmetric, positive definite system by Cholesky's factors."""
-    n = len(right)
-    low, x = np.zeros((n, n)), right.copy()
-    for i in range(n):
-        for j in range(i + 1):
-            rest = matrix[i, j]
-            for k in range(j):
-                rest -= low[i, k] * low[j, k]
-            if i == j:
-                if not rest > 1e-13 * matrix[i, i]:
-                    return False, x
-                low[i, i] = math.sqrt(rest)
-            else:
-                low[i, j] = rest / low[j, j]
-    for i in range(n):
-        for k in range(i):
-            x[i] -= low[i, k] * x[k]
-        x[i] /= low[i, i]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            x[i] -= low[k, i] * x[k]
-        x[i] /= low[i, i]
-    return True, x
-
-
-@fast_jit
-def turned(rotation: Array, turn: Array) -> Array:
-    """A rotation followed by a rotation vector in its own frame (Rodrigues), kept orthonormal."""
-    angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
-    a = 1 - angle * angle / 6 if angle < 1e-4 else math.sin(angle) / angle
-    b = 0.5 - angle * angle / 24 if angle < 1e-4 else (1 - math.cos(angle)) / (angle * angle)
-    w0, w1, w2 = turn
-    skew = np.array([[0.0, -w2, w1], [w2, 0.0, -w0], [-w1, w0, 0.0]])
-    step, out, square = np.eye(3), np.zeros((3, 3)), np.zeros((3, 3))
-    for i in range(3):
-        for j in range(3):
-            step[i, j] += a * skew[i, j]
-            for k in range(3):
-                step[i, j] += b * skew[i, k] * skew[k, j]
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):
-                out[i, j] += rotation[i, k] * step[k, j]
-    # One step of Newton's toward the nearest rotation takes away what rounding adds.
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):
-                square[i, j] += out[k, i] * out[k, j]
-    kept = np.zeros((3, 3))
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):
-                kept[i, j] += out[i, k] * ((1.5 if k == j else 0.0) - 0.5 * square[k, j])
-    return kept
 
 
 @fast_jit

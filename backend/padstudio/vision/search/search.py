@@ -23,9 +23,8 @@ from padstudio.vision.search.edges import EdgeSet, find_edges
 from padstudio.vision.search.lattice import Lattice, find_lattice
 from padstudio.vision.search.line_spacing import find_lines
 from padstudio.vision.search.plane_normals import find_axes
-from padstudio.vision.stage.detection import Reason, StageFailure
 from padstudio.vision.stage.params import DetectorParams, SearchParams
-from padstudio.vision.stage.trace import Recorder
+from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,126 +1,16 @@
-"""What stages say to each other and to the caller: trace, failure, detection.
-
-Finding nothing is a value (`StageFailure`), misuse is an exception (`padstudio.errors`).
-"""
+"""What the caller gets: a pose with its evidence and uncertainty, or why there is none."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Any, Literal
 
-from padstudio.arrays import Array, Image
+from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose
-from padstudio.pad.spec import Channel
+from padstudio.vision.stage.trace import StageFailure, Trace
 
 Method = Literal["dense", "paper"]
-
-#: The stages in their order. Those up to ``decode`` run once a channel.
-STAGES = (
-    "stretch",
-    "denoise",
-    "unmix",
-    "channel",
-    "block_mean",
-    "clean",
-    "edges",
-    "lines",
-    "grid",
-    "decode",
-    "choose",
-    "pose",
-    "outline",
-)
-
-
-class Reason(StrEnum):
-    """Why a stage found nothing: the fixed list, the one place where it stands."""
-
-    NO_CONTRAST = "no_contrast"
-    UNDEREXPOSED = "underexposed"
-    OVEREXPOSED = "overexposed"
-    NO_EDGES = "no_edges"
-    TOO_FEW_LINES = "too_few_lines"
-    NO_LATTICE = "no_lattice"
-    CELLS_TOO_SMALL = "cells_too_small"
-    CELLS_TOO_LARGE = "cells_too_large"
-    TOO_FEW_CELLS = "too_few_cells"
-    UNKNOWN_CODE = "unknown_code"
-    MOTION_BLUR = "motion_blur"
-    CROSSTALK = "crosstalk"
-    NO_OUTLINE = "no_outline"
-    POSE_REJECTED = "pose_rejected"
-    NO_LAYER = "no_layer"
-
-
-@dataclass(frozen=True)
-class StageFailure:
-    """A stage found nothing.
-
-    Attributes
-    ----------
-    stage : str
-        One of `STAGES`.
-    reason : Reason
-    detail : str
-        A sentence with the measured figures.
-    advice : str
-        What to try, in plain words.
-    """
-
-    stage: str
-    reason: Reason
-    detail: str
-    advice: str = ""
-
-
-@dataclass(frozen=True)
-class StageRecord:
-    """One stage's run in a trace.
-
-    Attributes
-    ----------
-    name : str
-        One of `STAGES`.
-    channel : {"red", "green", "blue"} or None
-        None for stages that serve all channels.
-    elapsed_ms : float
-    output : object
-        The stage's own frozen dataclass, or a `StageFailure`.
-    """
-
-    name: str
-    channel: Channel | None
-    elapsed_ms: float
-    output: object
-
-    @property
-    def failure(self) -> StageFailure | None:
-        """The failure, where the stage found nothing."""
-        return self.output if isinstance(self.output, StageFailure) else None
-
-
-@dataclass(frozen=True)
-class Trace:
-    """Every stage's output for one frame, in the order they ran.
-
-    Attributes
-    ----------
-    image : (H, W, 3) uint8
-        The frame, BGR.
-    records : tuple of StageRecord
-    """
-
-    image: Image
-    records: tuple[StageRecord, ...]
-
-    def get(self, name: str, channel: Channel | None = None) -> StageRecord | None:
-        """The last run of a stage in a channel, or of a stage that serves all channels."""
-        for record in reversed(self.records):
-            if record.name == name and record.channel in (channel, None):
-                return record
-        return None
 
 
 @dataclass(frozen=True)

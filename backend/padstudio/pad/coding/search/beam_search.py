@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from padstudio.compiled import jit, random_state
+from padstudio.compiled import jit
 from padstudio.pad.coding.search.board import (
     I16,
     I32,
@@ -23,6 +23,7 @@ from padstudio.pad.coding.search.board import (
     Board,
     board,
 )
+from padstudio.pad.coding.search.random import random_state
 from padstudio.pad.coding.search.row_search import fill, rule, top_row
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
 

@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import jit, random_state
+from padstudio.compiled import jit
+from padstudio.pad.coding.search.random import random_state
 from padstudio.pad.coding.search.spec import FieldSpec
 
 I64 = NDArray[np.int64]

@@ -18,7 +18,7 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import draw, jit, random_state
+from padstudio.compiled import jit
 from padstudio.pad.coding.search.hash_chains import (
     allowed,
     chains,
@@ -26,6 +26,7 @@ from padstudio.pad.coding.search.hash_chains import (
     place,
     read_window,
 )
+from padstudio.pad.coding.search.random import draw, random_state
 from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
 
 U8 = NDArray[np.uint8]

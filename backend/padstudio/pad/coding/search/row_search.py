@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from padstudio.compiled import draw, jit
+from padstudio.compiled import jit
 from padstudio.pad.coding.search.board import I16, I32, I64, U8, U64, board, give_back
 from padstudio.pad.coding.search.bounds import bounds, ruled_out
+from padstudio.pad.coding.search.random import draw
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
 from padstudio.pad.coding.search.trellis import start, sweep, walk
 

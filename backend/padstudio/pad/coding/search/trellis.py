@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from padstudio.compiled import draw, jit
+from padstudio.compiled import jit
 from padstudio.pad.coding.search.board import (
     I16,
     I32,
@@ -15,6 +15,7 @@ from padstudio.pad.coding.search.board import (
     U64,
     take_near,
 )
+from padstudio.pad.coding.search.random import draw
 
 CLOSED = 1 << 30
 _SPREAD = np.uint64(0xD6E8FEB86659FD93)
