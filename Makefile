@@ -75,4 +75,5 @@ bench: install $(STAMPS)/bench
 	$(PYTHON) tests/benchmarks/run.py $(ARGS)
 
 clean:
+	find backend -name __pycache__ -type d -exec rm -rf {} +
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis dist build

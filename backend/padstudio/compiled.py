@@ -1,39 +1,143 @@
-"""Numba, for the loops of coding that are sequential by nature.
+"""The one door to compiled loops: Numba is imported when the first of them is called.
 
-Importing Numba costs half a second, so that only modules with compiled loops import this one, and
-they are imported where they are first needed.
+Modules with loops can be imported freely: importing Numba, which costs more than all other imports
+together, waits for the first call. Machine code is kept on disk, in a folder named by a hash of the
+sources of *all* loops: Numba itself notices changes of a loop's own file only, and would go on
+calling old code of a loop in another file.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, Generic, ParamSpec, TypeVar
 
-import numba
+P = ParamSpec("P")
+T = TypeVar("T")
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
-
+_PACKAGE = Path(__file__).parent
 # Sums may be taken in any order and products fused; NaN and infinity keep their meaning.
 _FREE_ORDER = {"contract", "arcp", "reassoc", "nsz"}
+_FOLDER = "compiled-"
 
 
-def jit(function: Function) -> Function:
-    """Compile on first call; keep the machine code on disk where a folder for it can be written.
+class Compiled(Generic[P, T]):
+    """A loop that is compiled when it is first called, from Python or from another loop.
 
-    Numba writes beside the source, else to the user's cache folder (``NUMBA_CACHE_DIR`` overrides
-    both); where neither can be written, every process compiles anew.
+    Parameters
+    ----------
+    function : callable
+    **options : object
+        Of `numba.njit`.
     """
-    return _compiled(function)
+
+    def __init__(self, function: Callable[P, T], **options: Any) -> None:
+        self.__name__ = function.__name__
+        self.__doc__ = function.__doc__
+        self.__wrapped__ = function
+        self._options = options
+        self._dispatcher: Callable[P, T] | None = None
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T:
+        return (self._dispatcher or self.dispatcher)(*args, **kwargs)
+
+    @property
+    def dispatcher(self) -> Any:
+        """Numba's own object, whose ``signatures`` tell what was compiled."""
+        if self._dispatcher is None:
+            with _caching() as kept:
+                options = {"nogil": True, "cache": kept, **self._options}
+                self._dispatcher = _numba().njit(**options)(self.__wrapped__)
+        return self._dispatcher
 
 
-def fast_jit(function: Function) -> Function:
+def jit(function: Callable[P, T]) -> Compiled[P, T]:
+    """Compile on first call; results are the same on every platform."""
+    return Compiled(function)
+
+
+def fast_jit(function: Callable[P, T]) -> Compiled[P, T]:
     """As `jit`, for measurements: rounding may differ from processor to processor."""
-    return _compiled(function, fastmath=_FREE_ORDER, error_model="numpy")
+    return Compiled(function, fastmath=_FREE_ORDER, error_model="numpy")
 
 
-def _compiled(function: Function, **options: Any) -> Function:
+def pure_jit(function: Callable[P, T]) -> Compiled[P, T]:
+    """As `jit`, for loops that allocate nothing.
+
+    With Numba's run time on, every call counts its arrays' references atomically: four times the
+    time on one thread, more on several.
+    """
+    return Compiled(function, error_model="numpy", _nrt=False)
+
+
+def inlined_jit(function: Callable[P, T]) -> Compiled[P, T]:
+    """As `pure_jit`, put into its callers' code."""
+    return Compiled(function, error_model="numpy", _nrt=False, forceinline=True)
+
+
+def cache_folder() -> Path | None:
+    """Where machine code is kept; None where no folder can be written.
+
+    Beside this module, else in the user's cache folder; the environment's ``NUMBA_CACHE_DIR``
+    overrides both.
+    """
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "padstudio"
+    for parent in [Path(given)] if given else [_PACKAGE / "__pycache__", user]:
+        folder = parent / f"{_FOLDER}{sources_hash()}"
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            return folder
+    return None
+
+
+def forget_older() -> None:
+    """Remove machine code of other versions of the sources."""
+    newest = cache_folder()
+    for folder in newest.parent.glob(f"{_FOLDER}*") if newest else ():
+        if folder != newest:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@cache
+def sources_hash() -> str:
+    """Of every module with compiled loops."""
+    found = hashlib.blake2b(digest_size=8)
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        source = path.read_bytes()
+        if b"padstudio.compiled import" in source:
+            found.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0" + source)
+    return found.hexdigest()
+
+
+@contextmanager
+def _caching() -> Iterator[bool]:
+    """Numba's cache in our folder; True where there is one."""
+    config = _numba().config
+    folder, before = cache_folder(), config.CACHE_DIR
+    config.CACHE_DIR = "" if folder is None else str(folder)
     try:
-        return cast(Function, numba.njit(cache=True, nogil=True, **options)(function))
-    except RuntimeError:
-        return cast(Function, numba.njit(nogil=True, **options)(function))
+        yield folder is not None
+    finally:
+        config.CACHE_DIR = before
+
+
+@cache
+def _numba() -> Any:
+    """Numba, which from then on takes `Compiled` loops that others call for its own."""
+    import numba
+    from numba.core import types
+    from numba.extending import typeof_impl
+
+    @typeof_impl.register(Compiled)
+    def type_of(loop: Compiled[..., Any], _context: object) -> Any:
+        return types.Dispatcher(loop.dispatcher)
+
+    return numba

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Array
+from padstudio.geometry import planar_pnp_kernel
 from padstudio.geometry.pose import Pose, rotation_angle_deg
 
 # Poses nearer to each other than this are one.
@@ -86,8 +87,6 @@ def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
     sigma : float
         Standard deviation of the pattern, on the plane z = 1.
     """
-    from padstudio.geometry import planar_pnp_kernel
-
     squares, rotation = planar_pnp_kernel.fit_mirrored(
         np.ascontiguousarray(points_mm, float),
         np.ascontiguousarray(pose.rotation),
@@ -148,8 +147,6 @@ def least_squares(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pos
         On the plane z = 1; infinite where there is no such pose, which then is the given one.
     pose : Pose
     """
-    from padstudio.geometry import planar_pnp_kernel
-
     squares, rotation, centre = planar_pnp_kernel.fit_points(
         np.ascontiguousarray(points_mm, float),
         np.ascontiguousarray(rays, float),

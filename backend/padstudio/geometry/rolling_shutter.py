@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Array
+from padstudio.geometry import projection
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 
@@ -83,8 +84,6 @@ class MovingPose:
 
     def project(self, camera: Camera, points_mm: Array) -> Array:
         """Frame pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
-        from padstudio.geometry import projection
-
         return projection.project(np.ascontiguousarray(points_mm, float), *self.plain(camera))
 
     def plain(self, camera: Camera) -> tuple[Array, Array, Array, int, bool]:
@@ -124,8 +123,6 @@ def normalized(camera: Camera, pixels: Array) -> Array:
     """As `Camera.normalize`, for thousands of points through a lens."""
     if not camera.distorted:
         return camera.normalize(pixels)
-    from padstudio.geometry import projection
-
     return projection.undistorted(np.ascontiguousarray(pixels, float), camera.matrix, _lens(camera))
 
 

@@ -18,4 +18,4 @@ def test_warming_compiles_every_loop() -> None:
         growth.take_back,
         verify_kernel.compare_runs,
     ]
-    assert [f.__name__ for f in entered if not f.signatures] == []  # type: ignore[attr-defined]
+    assert [f.__name__ for f in entered if not f.dispatcher.signatures] == []

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from padstudio.errors import SpecError
 from padstudio.color import linear_from_srgb, srgb_from_linear
+from padstudio.errors import SpecError
 from padstudio.simulate.radiance.inks import Inks
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
 from padstudio.pad.coding.search.bounds import check_possible, uses_table
+from padstudio.pad.coding.search.growth import grow_field
 from padstudio.pad.coding.search.maximum_length import can_cut, cut_field
 from padstudio.pad.coding.search.spec import (
     FieldSearchError,
@@ -23,6 +24,7 @@ from padstudio.pad.coding.search.spec import (
     Unique,
     Watch,
 )
+from padstudio.pad.coding.search.table_search import search_field
 from padstudio.pad.coding.verify import least_distance, lines_visible
 from padstudio.pad.spec import MAX_CELLS, Layer, Pad
 
@@ -185,11 +187,7 @@ def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
             return field
     # Numba takes half a second to import: only who generates pays for it.
     if uses_table(spec):
-        from padstudio.pad.coding.search.table_search import search_field
-
         return search_field(spec, watch)
-    from padstudio.pad.coding.search.growth import grow_field
-
     return grow_field(spec, watch)
 
 

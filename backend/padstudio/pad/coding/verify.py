@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
+from padstudio.pad.coding.verify_kernel import compare_runs
 
 U64 = NDArray[np.uint64]
 # Comparisons of two windows that an unasked-for search for near windows may take.
@@ -220,8 +221,6 @@ def _nearest(
 ) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
     """Distance (windows,) to the nearest other, at most ``limit + 1``, and which: turn · windows +
     number, -1 for none."""
-    from padstudio.pad.coding.verify_kernel import compare_runs
-
     bits = max(1, int(levels - 1).bit_length())
     whole = np.ones((b, b), bool)
     words = np.stack([_pack(field, b, bits, turn, whole) for turn in range(turns)], axis=1)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from padstudio.simulate.radiance.options import inlined
+from padstudio.compiled import inlined_jit
 
 
-@inlined
+@inlined_jit
 def _area_under(xa, ya, xb, yb, a, b):  # type: ignore[no-untyped-def]
     """Integral of min(y, b) dx along the part of a segment that lies left of a."""
     if xa > a and xb > a:
@@ -26,7 +26,7 @@ def _area_under(xa, ya, xb, yb, a, b):  # type: ignore[no-untyped-def]
     return (c - xa) * b + (xb - c) * (b + yb) * 0.5
 
 
-@inlined
+@inlined_jit
 def quadrant_area(x0, y0, x1, y1, x2, y2, x3, y3, a, b):  # type: ignore[no-untyped-def]
     """Signed area of the part of a quadrangle that lies left of a and above b (Green's theorem)."""
     return (

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
+from padstudio.simulate.radiance.kernel import shade_rows
 from padstudio.simulate.radiance.lens import ray_map
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.radiance.surface import illumination_of, surface_of
@@ -35,8 +36,6 @@ def radiance(scene: Scene, camera: Camera, tracks: Array) -> NDArray[np.float32]
         Linear RGB; 1.0 is white paper's upper bound under light of level 1.
     """
     # Numba takes half a second to load: only those who render pay for it.
-    from padstudio.simulate.radiance.kernel import shade_rows
-
     rays = ray_map(camera)
     surface = surface_of(scene)
     patch_mm = min(float(np.diff(edges).min()) for edges in (surface.x_edges, surface.y_edges))

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import math
 
+from padstudio.compiled import inlined_jit, pure_jit
 from padstudio.simulate.radiance.area_kernel import quadrant_area
-from padstudio.simulate.radiance.options import compiled, inlined
 from padstudio.simulate.radiance.surface_kernel import (
     color_at,
     ground_color,
@@ -36,7 +36,7 @@ _EXACT_INSTANTS = 24
 _FAR_MM = 1e4
 
 
-@inlined
+@inlined_jit
 def _ground_point(ray_x, ray_y, tracks, i, k):  # type: ignore[no-untyped-def]
     """Whether a ray meets the plane, and where; the pose is ``tracks[i, k]``."""
     dz = tracks[i, k, 6] * ray_x + tracks[i, k, 7] * ray_y + tracks[i, k, 8]
@@ -48,7 +48,7 @@ def _ground_point(ray_x, ray_y, tracks, i, k):  # type: ignore[no-untyped-def]
     return True, tracks[i, k, 9] + s * dx, tracks[i, k, 10] + s * dy
 
 
-@inlined
+@inlined_jit
 def _footprint(rx, ry, ux, uy, vx, vy, tracks, i, k):  # type: ignore[no-untyped-def]
     """Whether the pixel sees ground alone at an instant, and its bounding box there.
 
@@ -67,7 +67,7 @@ def _footprint(rx, ry, ux, uy, vx, vy, tracks, i, k):  # type: ignore[no-untyped
     return True, x0, x1, y0, y1
 
 
-@inlined
+@inlined_jit
 def _sweep(rx, ry, ux, uy, vx, vy, tracks, i):  # type: ignore[no-untyped-def]
     """As `_footprint`, over the whole exposure."""
     last = tracks.shape[1] - 1
@@ -80,7 +80,7 @@ def _sweep(rx, ry, ux, uy, vx, vy, tracks, i):  # type: ignore[no-untyped-def]
     return whole, x0, x1, y0, y1
 
 
-@inlined
+@inlined_jit
 def _instants(rx, ry, narrow_mm, tracks, i):  # type: ignore[no-untyped-def]
     """Instants that resolve a pixel's path during the exposure: two a pixel of path."""
     times = tracks.shape[1]
@@ -92,7 +92,7 @@ def _instants(rx, ry, narrow_mm, tracks, i):  # type: ignore[no-untyped-def]
     return min(times, 2 + int(2.0 * path))
 
 
-@inlined
+@inlined_jit
 def _content(x0, x1, y0, y1, surface):  # type: ignore[no-untyped-def]
     """What a box on the ground holds: bare ground, one patch (its row and column), or a mixture."""
     if touches_disc(x0, x1, y0, y1, surface.discs):
@@ -108,13 +108,13 @@ def _content(x0, x1, y0, y1, surface):  # type: ignore[no-untyped-def]
     return _MIXED, 0, 0
 
 
-@inlined
+@inlined_jit
 def _page_corner(rx, ry, tracks, i, k, page):  # type: ignore[no-untyped-def]
     _, x, y = _ground_point(rx, ry, tracks, i, k)
     return page[0] * x + page[1], page[2] * y + page[3]
 
 
-@inlined
+@inlined_jit
 def _exact(rx, ry, ux, uy, vx, vy, tracks, i, k, spread_mm, surface):  # type: ignore[no-untyped-def]
     """Mean colour of a pixel at an instant: each patch by the area that it has in it."""
     page, xs, ys = surface.to_page, surface.x_edges, surface.y_edges
@@ -151,7 +151,7 @@ def _exact(rx, ry, ux, uy, vx, vy, tracks, i, k, spread_mm, surface):  # type: i
     return red, green, blue
 
 
-@inlined
+@inlined_jit
 def _average(rx, ry, ux, uy, vx, vy, tracks, i, lattice, count, spread_mm, surface):  # type: ignore[no-untyped-def]
     """Mean colour over a lattice of samples, and the share of them that see the sky."""
     red = green = blue = 0.0
@@ -168,7 +168,7 @@ def _average(rx, ry, ux, uy, vx, vy, tracks, i, lattice, count, spread_mm, surfa
     return red / count, green / count, blue / count, 1.0 - hits / count
 
 
-@inlined
+@inlined_jit
 def _along_path(rx, ry, ux, uy, vx, vy, tracks, i, content, instants, spread_mm, surface):  # type: ignore[no-untyped-def]
     """Mean over evenly spaced instants of the exposure: exact areas, or the bare ground."""
     red = green = blue = 0.0
@@ -183,7 +183,7 @@ def _along_path(rx, ry, ux, uy, vx, vy, tracks, i, content, instants, spread_mm,
     return red / instants, green / instants, blue / instants
 
 
-@inlined
+@inlined_jit
 def _pixel(rx, ry, ux, uy, vx, vy, tracks, i, lattices, surface, patch_mm):  # type: ignore[no-untyped-def]
     """Mean colour of what a pixel sweeps over, and the share of sky in it."""
     middle = tracks.shape[1] // 2
@@ -216,7 +216,7 @@ def _pixel(rx, ry, ux, uy, vx, vy, tracks, i, lattices, surface, patch_mm):  # t
     return _average(rx, ry, ux, uy, vx, vy, tracks, i, lattices[which], count, spread_mm, surface)
 
 
-@compiled
+@pure_jit
 def shade_rows(first, last, rays, tracks, lattices, surface, light, patch_mm, out):  # type: ignore[no-untyped-def]
     """Fill rows ``first`` … ``last`` − 1 of ``out`` (H, W, 3) float32 with linear light.
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 
-from padstudio.simulate.radiance.options import inlined
+from padstudio.compiled import inlined_jit
 
 
-@inlined
+@inlined_jit
 def interval(value, edges, bins, bin_mm):  # type: ignore[no-untyped-def]
     """The interval between edges that a page coordinate falls into, -1 outside the sheet."""
     if value < 0.0 or value >= edges[edges.shape[0] - 1]:
@@ -23,7 +23,7 @@ def interval(value, edges, bins, bin_mm):  # type: ignore[no-untyped-def]
     return i
 
 
-@inlined
+@inlined_jit
 def _bilinear(u, v, base, size, texture):  # type: ignore[no-untyped-def]
     """Texture of the level at ``base``, at texel coordinates of that level."""
     x = math.floor(u - 0.5)
@@ -46,7 +46,7 @@ def _bilinear(u, v, base, size, texture):  # type: ignore[no-untyped-def]
     )
 
 
-@inlined
+@inlined_jit
 def ground_color(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
     """The texture averaged over about ``spread_mm`` (trilinear between levels)."""
     last = surface.offsets.shape[0] - 1
@@ -66,7 +66,7 @@ def ground_color(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
     return r, g, b
 
 
-@inlined
+@inlined_jit
 def _disc_at(x, y, discs):  # type: ignore[no-untyped-def]
     """The uppermost disc at a ground point, -1 where there is none."""
     for k in range(discs.shape[0] - 1, -1, -1):
@@ -77,7 +77,7 @@ def _disc_at(x, y, discs):  # type: ignore[no-untyped-def]
     return -1
 
 
-@inlined
+@inlined_jit
 def touches_disc(x0, x1, y0, y1, discs):  # type: ignore[no-untyped-def]
     for k in range(discs.shape[0]):
         dx = max(x0 - discs[k, 0], 0.0, discs[k, 0] - x1)
@@ -87,7 +87,7 @@ def touches_disc(x0, x1, y0, y1, discs):  # type: ignore[no-untyped-def]
     return False
 
 
-@inlined
+@inlined_jit
 def light_at(x, y, light):  # type: ignore[no-untyped-def]
     slope = light.gradient[0] * x + light.gradient[1] * y
     value = light.level * min(max(1.0 + slope, 0.08), 4.0)
@@ -104,7 +104,7 @@ def light_at(x, y, light):  # type: ignore[no-untyped-def]
     return value
 
 
-@inlined
+@inlined_jit
 def color_at(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
     """Colour of what lies at a ground point: a disc, else the sheet, else the ground."""
     k = _disc_at(x, y, surface.discs)
@@ -116,7 +116,7 @@ def color_at(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
     return ground_color(x, y, spread_mm, surface)
 
 
-@inlined
+@inlined_jit
 def patch_at(x, y, surface):  # type: ignore[no-untyped-def]
     """Row and column of the patch at a ground point; column −1 off the sheet."""
     page = surface.to_page

@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.vision.cells import cells_kernel
+
 #: Least share of the way from chance to perfect agreement, (k/N − q) / (1 − q).
 LEAST_SKILL = 0.45
 
@@ -60,8 +62,6 @@ def judge(
     places : int
         Places and turns among which this one is the best.
     """
-    from padstudio.vision.cells import cells_kernel
-
     agree, frequency = cells_kernel.compare(levels, expected, count)
     read = int(frequency.sum())
     chance = _chance(frequency, count)

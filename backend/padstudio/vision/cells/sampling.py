@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.pad.spec import Channel
+from padstudio.vision.cells import cells_kernel
 from padstudio.vision.frame.pyramid import Pyramid
 
 #: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
@@ -100,8 +101,6 @@ def read_cells(
     CellGrid or None
         None where no cell's centre lies in the frame.
     """
-    from padstudio.vision.cells import cells_kernel
-
     shape = (rows[1] - rows[0], columns[1] - columns[0])
     if min(shape) <= 0:
         return None
@@ -122,8 +121,6 @@ def read_cells(
 
 def _centres(to_pixels: ToPixels, first: Array, shape: tuple[int, int]) -> Array:
     """Where the cells of a lattice lie in the frame, (R, C, 2); the first one's centre is given."""
-    from padstudio.vision.cells import cells_kernel
-
     # Between a few of many cells the picture of a plane bends by a small part of a cell.
     every = 1 if shape[0] * shape[1] < _MANY else _EVERY
     c, r = (np.arange(0, count + every - 1, every) for count in (shape[1], shape[0]))

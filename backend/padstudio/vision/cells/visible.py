@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from padstudio.arrays import Array
+from padstudio.geometry import projection
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Layer, Pad
@@ -27,8 +28,6 @@ def visible_range(
     rows, cols : (first, last + 1)
         Empty ranges where the frame does not meet the layer.
     """
-    from padstudio.geometry import projection
-
     low, high = projection.ground_seen(
         _rays(camera), np.ascontiguousarray(pose.rotation), pose.position_mm, _LEAST_DROP
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from padstudio.arrays import Image, YuvFrame
 from padstudio.pad.crosstalk import Matrix
 from padstudio.pad.spec import Channel, Pad
+from padstudio.vision.frame import pixels_kernel
 from padstudio.vision.frame.pyramid import BGR_INDEX, Box, Plane, Pyramid, Window
 from padstudio.vision.frame.unmix import unmix
 from padstudio.vision.frame.yuv import YuvPyramid
@@ -119,8 +120,6 @@ def find_denoise(brightness: Window, threshold: float) -> Denoise:
     threshold : float
         Share of impulses from which the median is worth its time.
     """
-    from padstudio.vision.frame import pixels_kernel
-
     h, w = len(brightness.values), brightness.width
     size = min(_SAMPLE, h, w)
     corners = (_SAMPLED * [w - size, h - size]).astype(np.intp)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Image, Standard, YuvFrame
 from padstudio.pad.spec import Channel
+from padstudio.vision.frame import pixels_kernel
 from padstudio.vision.frame.pyramid import NO_COLOURS, Pyramid, Window
 
 #: Shares of red and blue in brightness.
@@ -94,8 +95,6 @@ class YuvPyramid(Pyramid):
         return gain, -gain * black - 128 * weight, weight
 
     def _half(self, name: str, times: int) -> Image:
-        from padstudio.vision.frame import pixels_kernel
-
         made = self._halves[name]
         # Halving streams through a plane, so that those who look here and there find it in the
         # cache; and what is halved once more is asked for later.

@@ -13,6 +13,7 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Window
+from padstudio.vision.pose import edge_points_kernel
 
 #: Fewer borders leave a pose undetermined.
 LEAST_BORDERS = 12
@@ -81,8 +82,6 @@ class Measured:
 
 def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
     """Borders of unlike cells of a layer that lie in the frame, at most ``most``, evenly spread."""
-    from padstudio.vision.pose import edge_points_kernel
-
     rows, cols = visible_range(pad, layer, camera, pose.pose)
     sides = (layer.cell_mm * pad.scale[0], layer.cell_mm * pad.scale[1])
     found = edge_points_kernel.borders_in_view(
@@ -151,8 +150,6 @@ def measure(
     reach_px : float
         Half length of a profile, pixels of the window; never more than 0.42 of a cell.
     """
-    from padstudio.vision.pose import edge_points_kernel
-
     which, xy, weight = edge_points_kernel.find_borders(
         borders.points_mm,
         borders.along_mm,

@@ -23,6 +23,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.pose import alignment_kernel
 from padstudio.vision.pose.covariance import TILES, least_share
 from padstudio.vision.pose.least_squares import Fit, MotionPrior
 from padstudio.vision.pose.template import (
@@ -216,8 +217,6 @@ class Match:
 
     def _equations(self, pose: MovingPose, pixels: Pixels, size: int) -> list[_Equations]:
         """Each channel's equations at a pose; updates what residuals are trusted, and the rms."""
-        from padstudio.vision.pose import alignment_kernel
-
         assert self._brightness is not None
         texture = self._texture
         normal, right, sums, residuals = alignment_kernel.match_pattern(

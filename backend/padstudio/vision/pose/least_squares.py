@@ -21,6 +21,7 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, normalized
+from padstudio.vision.pose import least_squares_kernel
 from padstudio.vision.pose.covariance import (
     TILES,
     newton_share,
@@ -107,8 +108,6 @@ def fit_pose(
     Fit or None
         None where fewer than twelve borders were measured, or they leave the pose undetermined.
     """
-    from padstudio.vision.pose import least_squares_kernel
-
     if len(measured.xy) < LEAST_BORDERS:
         return None
     rays = normalized(camera, measured.xy)

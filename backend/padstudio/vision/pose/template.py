@@ -16,6 +16,7 @@ from padstudio.geometry.rolling_shutter import MovingPose, normalized
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Box, Pyramid
+from padstudio.vision.pose import alignment_kernel
 from padstudio.vision.pose.covariance import tiles_of
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
@@ -137,8 +138,6 @@ def texture_of(pad: Pad, px_per_mm: float) -> Texture:
 
 @lru_cache(maxsize=4)
 def _texture(pad: Pad, scale: int) -> Texture:
-    from padstudio.vision.pose import alignment_kernel
-
     width, height = pad.size_mm
     per_mm = 2.0 ** (scale / _SCALES) * OVERSAMPLING
     w, h = max(8, round(width * per_mm)), max(8, round(height * per_mm))

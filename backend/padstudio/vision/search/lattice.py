@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.vision.search import search_kernel as kernels
 from padstudio.vision.search.line_spacing import LineFamilies
 
 _FIRST_RADIUS = 5.0
@@ -167,8 +168,6 @@ def _fit(
     hold: float = 1.0,
 ) -> Array | None:
     """One step of least squares for the eight numbers of the map, given the nearest lines."""
-    from padstudio.vision.search import search_kernel as kernels
-
     normal, right, least = kernels.lattice_equations(fit, u, v, on_u, on_v, _GATE)
     if least < _LEAST_EDGES:
         return None

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.vision.search import search_kernel as kernels
 from padstudio.vision.search.edges import EdgeSet
 
 # Rings of candidate normals: (tilt in degrees, how many); denser where foreshortening is strong.
@@ -97,8 +98,6 @@ def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.co
     a few heavy edges cannot win. Near edges count for more, as cells shrink with distance, and a
     plane that most edges cannot lie on, being behind the camera there, loses their share.
     """
-    from padstudio.vision.search import search_kernel as kernels
-
     first = np.array([1.0, 0.0, 0.0]) - normals * normals[:, :1]
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     return kernels.coherence(normals, lines, rays, first, _MOST_WEIGHT, _LEAST_DEPTH), first
@@ -116,8 +115,6 @@ def _distinct(normals: Array, score: Array) -> list[Array]:
 
 def _climb(normal: Array, lines: Array, rays: Array) -> tuple[float, Array]:
     """Walk a normal to the nearest maximum of coherence by shrinking steps."""
-    from padstudio.vision.search import search_kernel as kernels
-
     normal = kernels.climb(
         normal, lines, rays, _MOST_WEIGHT, _LEAST_DEPTH, LEAST_COSINE, _LEAST_STEP_DEG
     )

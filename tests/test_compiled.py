@@ -1,0 +1,104 @@
+"""The door to compiled loops: what is imported when, and whether kept machine code still holds."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import padstudio
+
+PACKAGE = Path(padstudio.__file__).parent
+CALLEE = """
+from padstudio.compiled import jit
+
+FACTOR = {factor}
+
+@jit
+def grown(x):
+    return FACTOR * x
+"""
+CALLER = """
+from padstudio.callee import grown
+from padstudio.compiled import jit
+
+@jit
+def grown_and_one(x):
+    return grown(x) + 1
+"""
+
+
+def run(code: str, path: Path, **environment: str) -> str:
+    # Without NUMBA_CACHE_DIR, machine code lies beside the copy of the package.
+    kept = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**kept, "PYTHONPATH": str(path), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def package(path: Path, factor: int) -> Path:
+    """A package with the real door and two loops, one of which calls the other."""
+    home = path / "padstudio"
+    home.mkdir(exist_ok=True)
+    for name in ("__init__.py", "compiled.py"):
+        shutil.copy(PACKAGE / name, home)
+    (home / "callee.py").write_text(CALLEE.format(factor=factor))
+    (home / "caller.py").write_text(CALLER)
+    return path
+
+
+def folders(path: Path) -> list[Path]:
+    return sorted((path / "padstudio" / "__pycache__").glob("compiled-*"))
+
+
+CALL = "from padstudio.caller import grown_and_one; print(grown_and_one(5))"
+
+
+def test_a_changed_callee_in_another_file_changes_the_result(tmp_path: Path) -> None:
+    assert run(CALL, package(tmp_path, 2)) == "11"
+    assert run(CALL, package(tmp_path, 3)) == "16"
+    assert run(CALL, package(tmp_path, 2)) == "11"
+    assert len(folders(tmp_path)) == 2
+
+
+def test_machine_code_is_kept_between_processes(tmp_path: Path) -> None:
+    hits = f"{CALL}; print(sum(grown_and_one.dispatcher.stats.cache_hits.values()))"
+    assert run(hits, package(tmp_path, 2)).split() == ["11", "0"]
+    assert run(hits, tmp_path).split() == ["11", "1"]
+
+
+def test_machine_code_of_older_sources_is_forgotten(tmp_path: Path) -> None:
+    run(CALL, package(tmp_path, 2))
+    run(CALL, package(tmp_path, 3))
+    forget = "from padstudio import compiled; compiled.forget_older()"
+    newest = run(f"{forget}; print(compiled.cache_folder())", tmp_path)
+    assert folders(tmp_path) == [Path(newest)]
+
+
+def test_the_environment_says_where_machine_code_is_kept(tmp_path: Path) -> None:
+    kept = tmp_path / "kept"
+    assert run(CALL, package(tmp_path, 2), NUMBA_CACHE_DIR=str(kept)) == "11"
+    assert list(kept.glob("compiled-*/*/caller.grown_and_one*"))
+    assert folders(tmp_path) == []
+
+
+def test_where_nothing_can_be_written_loops_are_compiled_all_the_same(tmp_path: Path) -> None:
+    blocked = tmp_path / "blocked"
+    blocked.write_text("a file where a folder should be")
+    assert run(CALL, package(tmp_path, 2), NUMBA_CACHE_DIR=str(blocked)) == "11"
+
+
+def test_numba_waits_for_the_first_call() -> None:
+    code = (
+        "import sys; import padstudio.vision.detector, padstudio.pad.coding.generate;"
+        "print('numba' in sys.modules)"
+    )
+    assert run(code, PACKAGE.parent) == "False"
