@@ -1,124 +1,185 @@
-"""Holds the import directions of docs/architecture.md."""
+"""Holds the import directions of docs/architecture.md: one ordered list of all folders."""
+
+from __future__ import annotations
 
 import ast
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parents[1] / "backend" / "padstudio"
+import padstudio
 
-#: Which parts each part may import. Every part may import itself and `errors`.
-ALLOWED = {
-    "errors": set(),
-    "resources": set(),
-    "geometry": set(),
-    "pad": set(),
-    "render": {"pad"},
-    "vision": {"pad", "geometry"},
-    "simulate": {"pad", "geometry", "render"},
-    "flights": {"pad", "geometry", "vision", "render"},
-    "web": {"pad", "geometry", "vision", "render", "simulate", "flights", "resources"},
-    "warm": {"pad", "vision"},
-    "cli": {"pad", "geometry", "vision", "render", "simulate", "flights", "web", "resources"},
-}
+PACKAGE = Path(padstudio.__file__).parent
+
+#: Every folder, and every module that stands in none, from the ground up. Each may import only
+#: what stands above it in this list.
+ORDER = (
+    "__init__.py",
+    "errors.py",
+    "resources.py",
+    "arrays.py",
+    "color.py",
+    "compiled.py",
+    "geometry",
+    "pad",
+    "pad/sheets",
+    "pad/coverage",
+    "pad/coding/search",
+    "pad/coding",
+    "render/painters",
+    "render/pdf",
+    "render",
+    "simulate/radiance",
+    "simulate",
+    "vision/stage",
+    "vision/frame",
+    "vision/cells",
+    "vision/search",
+    "vision/pose",
+    "vision/outline",
+    "vision/dense",
+    "vision/baseline",
+    "vision",
+    "vision/overlays",
+    "media",
+    "store/migrations/versions",
+    "store/database",
+    "store/migrations",
+    "store/uploads",
+    "store",
+    "workers",
+    "flights/cluster",
+    "flights/tasks",
+    "flights/results",
+    "flights/pictures",
+    "flights/exports",
+    "flights",
+    "web/schemas",
+    "web/http",
+    "web/server",
+    "web/pages",
+    "web/api",
+    "web",
+    "warm.py",
+    "cli",
+)
+
+#: A folder with more modules than this is no room any more but a hall.
+MOST_MODULES = 14
+
+#: Names in the package's head that everything may fetch from there.
+PUBLIC = {"__version__"}
 
 #: Libraries that only some modules may import.
 CONFINED = {
+    "alembic": ("store/",),
+    "av": ("media/video", "simulate/video_writer"),
+    "dask": ("flights/cluster/",),
+    "distributed": ("flights/cluster/",),
     "fastapi": ("web/",),
-    "starlette": ("web/",),
+    "fsspec": ("media/",),
     "jinja2": ("web/",),
+    "mcap": ("flights/exports/",),
+    "numba": ("compiled.py",),
     "pydantic": ("web/",),
     "pydantic_settings": ("web/",),
-    "uvicorn": ("web/",),
-    "reportlab": ("render/pdf",),
-    "sqlalchemy": ("flights/",),
-    "alembic": ("flights/",),
-    "av": ("flights/video", "simulate/video"),
-    "mcap": ("flights/exports/",),
     "pymavlink": ("flights/exports/",),
-    "dask": ("flights/engine", "flights/cluster_worker"),
-    "distributed": ("flights/engine", "flights/cluster_worker"),
-    "fsspec": ("flights/",),
+    "reportlab": ("render/pdf/",),
+    "rich": ("cli/",),
+    "sqlalchemy": ("store/", "flights/"),
     "sse_starlette": ("web/",),
-    "typer": ("cli",),
-    "rich": ("cli",),
+    "starlette": ("web/",),
+    "typer": ("cli/",),
+    "uvicorn": ("web/",),
+}
+
+MODULES = sorted(PACKAGE.rglob("*.py"))
+NAMES = {
+    ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): path
+    for path in MODULES
 }
 
 
-def part_of(path):
-    first = path.relative_to(PACKAGE).parts[0]
-    return "cli" if first.startswith("cli") else first.removesuffix(".py")
+def place_of(path: Path) -> str:
+    """The folder of a module, or the module itself where it stands in none."""
+    inside = path.relative_to(PACKAGE)
+    return inside.as_posix() if len(inside.parts) == 1 else inside.parent.as_posix()
 
 
-def imported_modules(path):
-    """Absolute names of all imports of a module, those within functions too."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def imported_names(source: str) -> Iterator[str]:
+    """Absolute names of all imports, those in functions and for types only too."""
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: relative import"
+            assert node.level == 0, "relative import"
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-MODULES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.parent != PACKAGE] + [
-    path for path in sorted(PACKAGE.glob("*.py")) if path.name != "__init__.py"
-]
+def imported_modules(path: Path) -> set[Path]:
+    """The package's own modules that a module imports."""
+    found = set()
+    for name in imported_names(path.read_text(encoding="utf-8")):
+        owner = name
+        while owner and owner not in NAMES:
+            owner = owner.rpartition(".")[0]
+        if owner and name.removeprefix("padstudio.") not in PUBLIC:
+            found.add(NAMES[owner])
+    return found - {path}
+
+
+def test_the_list_holds_every_folder_once() -> None:
+    assert sorted(ORDER) == sorted({place_of(path) for path in MODULES})
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_a_module_imports_only_what_its_part_may(path):
-    part = part_of(path)
-    allowed = ALLOWED[part] | {part, "errors", "__version__"}
-    wrong = []
-    for name in imported_modules(path):
-        root, _, rest = name.partition(".")
-        if root == "padstudio":
-            other = rest.partition(".")[0]
-            other = "cli" if other.startswith("cli") else other
-            if other not in allowed:
-                wrong.append(name)
-        elif root in CONFINED:
-            inside = path.relative_to(PACKAGE).as_posix()
-            if not inside.startswith(CONFINED[root]):
-                wrong.append(name)
+def test_a_module_imports_only_what_stands_below_it(path: Path) -> None:
+    if path == PACKAGE / "__init__.py":
+        return  # hands out public names lazily
+    below = set(ORDER[: ORDER.index(place_of(path)) + 1])
+    wrong = {str(other) for other in imported_modules(path) if place_of(other) not in below}
     assert not wrong
 
 
-def test_modules_do_not_import_in_circles():
-    graph = defaultdict(set)
-    names = {".".join(p.relative_to(PACKAGE.parent).with_suffix("").parts): p for p in MODULES}
-    for name, path in names.items():
-        for imported in top_level_imports(path):
-            while imported and imported not in names:
-                imported = imported.rpartition(".")[0]
-            if imported and imported != name:
-                graph[name].add(imported)
-    done = set()
-
-    def visit(name, way):
-        assert name not in way, " -> ".join([*way[way.index(name) :], name])
-        if name not in done:
-            for other in graph[name]:
-                visit(other, [*way, name])
-            done.add(name)
-
-    for name in names:
-        visit(name, [])
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_a_library_is_imported_only_where_it_belongs(path: Path) -> None:
+    inside = path.relative_to(PACKAGE).as_posix()
+    roots = {name.partition(".")[0] for name in imported_names(path.read_text(encoding="utf-8"))}
+    assert not [r for r in roots & set(CONFINED) if not inside.startswith(CONFINED[r])]
 
 
-def top_level_imports(path):
-    """Imports that run when the module is loaded: not those in functions or for types only."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+def test_modules_do_not_import_in_circles() -> None:
+    done: set[Path] = set()
+
+    def visit(path: Path, way: list[Path]) -> None:
+        circle = way[way.index(path) :] if path in way else []
+        assert not circle, " -> ".join(str(p.relative_to(PACKAGE)) for p in [*circle, path])
+        if path not in done and path != PACKAGE / "__init__.py":
+            for other in sorted(imported_modules(path)):
+                visit(other, [*way, path])
+        done.add(path)
+
+    for path in MODULES:
+        visit(path, [])
+
+
+def test_no_folder_holds_more_modules_than_a_reader_takes_in() -> None:
+    count: dict[Path, int] = defaultdict(int)
+    for path in MODULES:
+        if path.name != "__init__.py":
+            count[path.parent] += 1
+    assert not {str(f): n for f, n in count.items() if n > MOST_MODULES}
 
 
 @pytest.mark.parametrize(
-    ("path", "expected"),
-    [("cli_detect.py", "cli"), ("pad/spec.py", "pad"), ("errors.py", "errors")],
+    "source",
+    [
+        "def f():\n    from padstudio.web import app",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from padstudio.web import app",
+        "import padstudio.web.app",
+    ],
 )
-def test_parts_by_path(path, expected):
-    assert part_of(PACKAGE / path) == expected
+def test_no_import_is_overlooked(source: str) -> None:
+    assert any(name.startswith("padstudio.web") for name in imported_names(source))

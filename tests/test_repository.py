@@ -82,11 +82,6 @@ def test_ci_runs_the_tests_and_nothing_else():
     assert commands == ["exec make test"]
 
 
-def test_test_modules_have_names_of_their_own():
-    names = [path.name for path in PYTHON if path.name.startswith("test_")]
-    assert sorted(names) == sorted(set(names))
-
-
 @pytest.mark.parametrize("target", ["install", "run", "test", "check", "bench"])
 def test_make_knows_the_targets_of_the_readme(target):
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")

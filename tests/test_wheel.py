@@ -70,7 +70,8 @@ def test_the_wheel_holds_the_pages_and_the_sample_but_no_tests(wheel):
             name.removeprefix("padstudio/_web/") for name in names if f"_web/{folder}/" in name
         }
         assert there == here
-    assert not [name for name in names if "test" in name.lower() or name.startswith("backend")]
+    assert not [name for name in names if {"tests", "backend"} & set(name.split("/"))]
+    assert not [name for name in names if Path(name).name.startswith(("test_", "conftest"))]
 
 
 def test_the_program_is_the_wheels_own(installed, tmp_path):

@@ -19,6 +19,7 @@ from sqlalchemy.orm import Session, sessionmaker, undefer
 from padstudio.errors import ConflictError, LimitError, NotFoundError
 from padstudio.store.database.data_folder import new_id
 from padstudio.store.database.flight_tables import (
+    OPEN,
     ChunkRow,
     FlightRow,
     FlightUploadRow,
@@ -26,7 +27,6 @@ from padstudio.store.database.flight_tables import (
     FrameRow,
 )
 
-OPEN = ("queued", "running")
 _DELETE_ROWS = 20_000
 
 

@@ -7,8 +7,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from padstudio.flights.jobs import OPEN
-from padstudio.store.database.flight_tables import FlightRow
+from padstudio.store.database.flight_tables import OPEN, FlightRow
 
 ValueT = TypeVar("ValueT")
 # Over a million frames an answer may take a second, and pages ask for it each second while the

@@ -5,7 +5,16 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, ForeignKey, Index, Integer, LargeBinary, String, Text
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    String,
+    Text,
+)
 from sqlalchemy.orm import Mapped, mapped_column
 
 from padstudio.store.database.tables import Base, UtcDateTime
@@ -143,3 +152,6 @@ class FrameBinRow(Base):
     #: Frames by ``layers``, ``stages`` and ``reasons``; ``poses``: the numbers of the first and the
     #: last pose, and between them those of the two successive ones farthest apart; ``damaged``.
     body: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
+OPEN = ("queued", "running")

@@ -12,9 +12,9 @@ from fastapi.concurrency import run_in_threadpool
 from sse_starlette import EventSourceResponse, ServerSentEvent
 
 from padstudio.errors import NotFoundError, SpecError
-from padstudio.flights.jobs import OPEN, FlightOrder
+from padstudio.flights.jobs import FlightOrder
 from padstudio.flights.results.frames import FrameFilter
-from padstudio.store.database.flight_tables import FlightRow
+from padstudio.store.database.flight_tables import OPEN, FlightRow
 from padstudio.store.store import Store
 from padstudio.web.api.cameras import camera_name, camera_text
 from padstudio.web.schemas.flights import (
