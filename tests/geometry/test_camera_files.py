@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from padstudio import Camera
 from padstudio.errors import CameraFormatError
-from padstudio.geometry import camera_files, presets
+from padstudio.geometry import presets
 
 K = np.array([[880.5, 0, 652.3], [0, 881.25, 471.8], [0, 0, 1]])
 D = np.array([-0.28, 0.09, 0.0006, -0.0004, -0.01])
@@ -67,24 +67,24 @@ def assert_is_the_camera(camera, coefficients=D):
 
 
 def test_ros():
-    camera = camera_files.loads(ROS)
+    camera = Camera.loads(ROS)
     assert_is_the_camera(camera)
     assert camera.name == "nadir"
 
 
 def test_kalibr():
-    camera = camera_files.loads(KALIBR)
+    camera = Camera.loads(KALIBR)
     assert_is_the_camera(camera, D[:4])
     assert camera.name == "/nadir/image_raw"
 
 
 def test_kalibr_fisheye():
     text = KALIBR.replace("radtan", "equidistant")
-    assert camera_files.loads(text).model == "fisheye"
+    assert Camera.loads(text).model == "fisheye"
 
 
 def test_photonvision():
-    camera = camera_files.loads(json.dumps(PHOTONVISION), "photon_1280x960.json")
+    camera = Camera.loads(json.dumps(PHOTONVISION), "photon_1280x960.json")
     assert_is_the_camera(camera)
     assert camera.name == "photon_1280x960"
 
@@ -92,7 +92,7 @@ def test_photonvision():
 def test_photonvision_of_before_2024():
     old = {key: value for key, value in PHOTONVISION.items() if key != "lensmodel"}
     old["cameraExtrinsics"] = old.pop("distCoeffs")
-    assert_is_the_camera(camera_files.loads(json.dumps(old)))
+    assert_is_the_camera(Camera.loads(json.dumps(old)))
 
 
 @pytest.mark.parametrize("ending", ["yaml", "yml", "json"])
@@ -114,12 +114,12 @@ def test_opencv_with_other_spellings(tmp_path):
     path = opencv_file(
         tmp_path / "c.yml", image_Width=1280, image_Height=960, cameraMatrix=K, dist_coeffs=D
     )
-    assert_is_the_camera(camera_files.load(path))
+    assert_is_the_camera(Camera.load(path))
 
 
 def test_opencv_with_a_size_in_one(tmp_path):
     path = opencv_file(tmp_path / "c.yml", imageSize=np.array([[1280, 960]]), K=K, D=D)
-    assert_is_the_camera(camera_files.load(path))
+    assert_is_the_camera(Camera.load(path))
 
 
 def test_opencv_fisheye(tmp_path):
@@ -131,22 +131,22 @@ def test_opencv_fisheye(tmp_path):
         camera_matrix=K,
         distortion_coefficients=D[:4],
     )
-    assert camera_files.load(path).model == "fisheye"
+    assert Camera.load(path).model == "fisheye"
 
 
 def test_fourteen_coefficients_of_which_eight_are_used(tmp_path):
     long = np.concatenate([D, [0.1, 0.2, 0.3], np.zeros(6)])
     text = ROS.replace("[-0.28, 0.09, 6e-4, -0.0004, -0.01]", str(long.tolist()))
-    assert len(camera_files.loads(text).distortion) == 8
+    assert len(Camera.loads(text).distortion) == 8
     long[9] = 1e-3
     text = ROS.replace("[-0.28, 0.09, 6e-4, -0.0004, -0.01]", str(long.tolist()))
     with pytest.raises(CameraFormatError, match="not 14"):
-        camera_files.loads(text)
+        Camera.loads(text)
 
 
 def test_a_file_without_distortion_is_a_pinhole():
     text = ROS[: ROS.index("distortion_model")]
-    assert not camera_files.loads(text).distorted
+    assert not Camera.loads(text).distorted
 
 
 @given(
@@ -163,7 +163,7 @@ def test_what_is_written_is_read_back(lens, coefficients, focal_px, name, nomina
     camera = Camera(
         1280, 960, matrix, coefficients[:count], model=model, name=name, nominal=nominal
     )
-    back = camera_files.loads(camera_files.to_ros_yaml(camera))
+    back = Camera.loads(camera.to_ros_yaml())
     assert (back.width, back.height, back.model) == (1280, 960, model)
     assert (back.name, back.nominal) == (name, nominal)
     np.testing.assert_array_equal(back.matrix, matrix)
@@ -172,7 +172,7 @@ def test_what_is_written_is_read_back(lens, coefficients, focal_px, name, nomina
 
 
 def test_save_and_load(tmp_path):
-    camera = camera_files.loads(ROS)
+    camera = Camera.loads(ROS)
     camera.save(tmp_path / "camera.yaml")
     assert_is_the_camera(Camera.load(tmp_path / "camera.yaml"))
 
@@ -213,22 +213,22 @@ def test_save_and_load(tmp_path):
 )
 def test_what_is_no_camera_is_refused_by_name(content, message):
     with pytest.raises(CameraFormatError, match=message):
-        camera_files.loads(content, "c.yaml")
+        Camera.loads(content, "c.yaml")
 
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(CameraFormatError, match=r"cannot read gone.yaml: No such file"):
-        camera_files.load(tmp_path / "gone.yaml")
+        Camera.load(tmp_path / "gone.yaml")
 
 
 @given(st.binary(max_size=300))
 def test_bytes_that_are_no_camera_raise_nothing_else(data):
     with pytest.raises(CameraFormatError, match=r"^camera file: "):
-        camera_files.loads(data)
+        Camera.loads(data)
 
 
 @pytest.mark.parametrize("preset", presets.PRESETS.values(), ids=presets.PRESETS)
 def test_presets_are_written_as_nominal(preset):
-    back = camera_files.loads(camera_files.to_ros_yaml(preset.camera))
+    back = Camera.loads(preset.camera.to_ros_yaml())
     assert back.nominal
     assert back.name == preset.camera.name

@@ -9,7 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.media import images
 from padstudio.pad import files as pad_files
 from padstudio.workers.detection import RESULT_PICTURE, THUMBNAIL_PREFIX, Job
@@ -19,7 +19,7 @@ def analyze(job: Job) -> dict[str, Any]:
     image = images.decode(job.image, job.max_pixels)
     height, width = image.shape[:2]
     pad_files.loads(job.pad)
-    camera = camera_files.loads(job.camera).for_frame(width, height)
+    camera = Camera.loads(job.camera).for_frame(width, height)
     if job.source == "crash.png":
         os._exit(9)
     if job.source == "slow.png":

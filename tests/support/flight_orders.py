@@ -8,7 +8,6 @@ from typing import Any
 import videos
 
 from padstudio.flights.jobs import FlightOrder
-from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.store.store import Store
 
@@ -29,7 +28,7 @@ REQUEST: dict[str, Any] = {
 def camera(width: int = videos.WIDTH, height: int = videos.HEIGHT) -> str:
     """A camera file."""
     matrix = [[width, 0, width / 2], [0, width, height / 2], [0, 0, 1]]
-    return camera_files.to_ros_yaml(Camera(width, height, matrix, [0, 0, 0, 0]))
+    return Camera(width, height, matrix, [0, 0, 0, 0]).to_ros_yaml()
 
 
 def upload(store: Store, path: Path) -> str:

@@ -121,7 +121,6 @@ def detect(
 
 def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
     from padstudio.flights.tasks.detectors import Recipe
-    from padstudio.geometry import camera_files
     from padstudio.pad import files as pad_files
 
     the_camera = load_camera(camera)
@@ -129,7 +128,7 @@ def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bo
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
     content = pad_files.dumps(load_pad(pad))
     params = json.dumps({"prepare": {"unmix": unmix}})
-    return Recipe(content, camera_files.to_ros_yaml(the_camera), method, params)
+    return Recipe(content, the_camera.to_ros_yaml(), method, params)
 
 
 def _write(record: dict[str, Any], file: IO[str]) -> Figures:

@@ -1,14 +1,12 @@
 """A calibrated camera: intrinsics and lens distortion.
 
-Pixel (0, 0) is the centre of the top-left pixel. Files are read and written by
-`padstudio.geometry.camera_files`.
+Pixel (0, 0) is the centre of the top-left pixel.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
 
 import cv2
 import numpy as np
@@ -16,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError, CameraMismatchError
-
-LensModel = Literal["radtan", "fisheye"]
+from padstudio.geometry import camera_files
+from padstudio.geometry.camera_files import CameraFields, LensModel
 
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
 # Two aspect ratios count as one when they differ by less than one pixel row in a thousand.
@@ -89,17 +87,42 @@ class Camera:
         Raises
         ------
         CameraFormatError
-            If the file is none of these, naming what is missing.
+            If it cannot be read or is none of these, naming what is wrong and where.
         """
-        from padstudio.geometry import camera_files
+        path = Path(path)
+        return cls.loads(camera_files.read(path), path.name)
 
-        return camera_files.load(Path(path))
+    @classmethod
+    def loads(cls, data: bytes | str, name: str = "camera file") -> Camera:
+        """Read a camera from a file's content.
+
+        Parameters
+        ----------
+        data : bytes or str
+        name : str
+            The file's name; messages start with it, and a camera without a name takes its stem.
+
+        Raises
+        ------
+        CameraFormatError
+            As `load`.
+        """
+        fields = camera_files.parse(data, name)
+        with camera_files.naming(name):
+            return cls(*fields)
 
     def save(self, path: str | Path) -> None:
         """Write a ROS ``camera_info`` YAML file."""
-        from padstudio.geometry import camera_files
+        Path(path).write_text(self.to_ros_yaml(), encoding="utf-8")
 
-        Path(path).write_text(camera_files.to_ros_yaml(self), encoding="utf-8")
+    def to_ros_yaml(self) -> str:
+        """The camera as ROS ``camera_info`` YAML, which `loads` reads back.
+
+        Fewer than the five coefficients of ``plumb_bob`` are filled up with zeros, which is the
+        same lens. A nominal camera carries the key ``nominal``, which ROS ignores.
+        """
+        fields = (self.width, self.height, self.matrix, self.distortion, self.model)
+        return camera_files.ros_yaml(CameraFields(*fields, self.name, self.nominal))
 
     @property
     def distorted(self) -> bool:

@@ -1,5 +1,7 @@
 """Camera files: reads ROS, OpenCV, Kalibr and PhotonVision calibrations, writes ROS YAML.
 
+They are read to plain fields, of which `padstudio.geometry.camera.Camera` is built.
+
 What each kind looks like:
 
 - ROS ``camera_info`` YAML: ``image_width``, ``image_height``, ``camera_name``, ``camera_matrix``,
@@ -17,9 +19,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import yaml
@@ -27,8 +30,8 @@ import yaml
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError
 from padstudio.geometry import plain_text
-from padstudio.geometry.camera import Camera, LensModel
 
+LensModel = Literal["radtan", "fisheye"]
 Data = Mapping[str, Any]
 
 #: The largest side of a calibrated picture, pixels.
@@ -49,24 +52,44 @@ _DISTORTION_KEYS = ("distortioncoefficients", "distcoeffs", "distortion", "d")
 _SIZE_KEYS = ("imagesize", "framesize", "resolution")
 
 
-def load(path: Path) -> Camera:
-    """Read a camera file of any of the kinds above.
+class CameraFields(NamedTuple):
+    """What a file says of a camera, in the order and meaning of `Camera`'s attributes."""
+
+    width: int
+    height: int
+    matrix: Array
+    distortion: Array
+    model: LensModel
+    name: str
+    nominal: bool
+
+
+@contextmanager
+def naming(name: str) -> Iterator[None]:
+    """Lets the messages of camera errors start with a file's name."""
+    try:
+        yield
+    except CameraFormatError as error:
+        raise CameraFormatError(f"{name}: {error.message}", detail=error.detail) from error
+
+
+def read(path: Path) -> bytes:
+    """A camera file's content, no more of it than can be one.
 
     Raises
     ------
     CameraFormatError
-        If it cannot be read or is none of them, naming what is wrong and where.
+        If it cannot be read.
     """
     try:
         with path.open("rb") as file:
-            data = file.read(plain_text.MAX_JSON_BYTES + 1)
+            return file.read(plain_text.MAX_JSON_BYTES + 1)
     except OSError as error:
         raise CameraFormatError(f"cannot read {path.name}: {error.strerror}") from error
-    return loads(data, path.name)
 
 
-def loads(data: bytes | str, name: str = "camera file") -> Camera:
-    """Read a camera from a file's content.
+def parse(data: bytes | str, name: str) -> CameraFields:
+    """Fields of a camera file of any of the kinds above.
 
     Parameters
     ----------
@@ -77,23 +100,17 @@ def loads(data: bytes | str, name: str = "camera file") -> Camera:
     Raises
     ------
     CameraFormatError
-        As `load`.
+        If it is none of these kinds, naming what is wrong and where.
     """
     values = plain_text.parse(data.encode() if isinstance(data, str) else data, name)
     if not isinstance(values, dict):
         raise CameraFormatError(f"{name}: holds no keys and values; give a camera calibration")
-    try:
+    with naming(name):
         return _from_values({str(key): value for key, value in values.items()}, Path(name).stem)
-    except CameraFormatError as error:
-        raise CameraFormatError(f"{name}: {error.message}", detail=error.detail) from error
 
 
-def to_ros_yaml(camera: Camera) -> str:
-    """A camera as ROS ``camera_info`` YAML, which `loads` reads back.
-
-    Fewer than the five coefficients of ``plumb_bob`` are filled up with zeros, which is the same
-    lens. A nominal camera carries the key ``nominal``, which ROS ignores.
-    """
+def ros_yaml(camera: CameraFields) -> str:
+    """A camera as ROS ``camera_info`` YAML, which `parse` reads back."""
     coefficients = camera.distortion.tolist()
     if camera.model == "fisheye":
         model, coefficients = "equidistant", coefficients or [0.0] * 4
@@ -127,7 +144,7 @@ def _matrix_lines(key: str, matrix: Array) -> list[str]:
     return [f"{key}:", f"  rows: {rows}", f"  cols: {cols}", f"  data: [{', '.join(numbers)}]"]
 
 
-def _from_values(values: Data, stem: str) -> Camera:
+def _from_values(values: Data, stem: str) -> CameraFields:
     chain = [key for key in values if re.fullmatch(r"cam\d+", key)]
     if chain:
         return _from_kalibr(values, chain)
@@ -136,7 +153,7 @@ def _from_values(values: Data, stem: str) -> Camera:
     return _from_opencv(values, stem)
 
 
-def _from_opencv(values: Data, stem: str) -> Camera:
+def _from_opencv(values: Data, stem: str) -> CameraFields:
     """ROS and OpenCV, which differ in spelling alone."""
     plain = {key.lower().replace("_", ""): value for key, value in values.items()}
     matrix_key = _first(plain, _MATRIX_KEYS)
@@ -149,7 +166,7 @@ def _from_opencv(values: Data, stem: str) -> Camera:
     model = str(plain.get("distortionmodel", "none")).lower()
     if _flag(plain.get("fisheyemodel")):
         model = "fisheye"
-    return _camera(
+    return _fields(
         size=_opencv_size(plain),
         matrix=_matrix(plain[matrix_key], "camera_matrix"),
         distortion=[] if distortion_key is None else plain[distortion_key],
@@ -171,7 +188,7 @@ def _opencv_size(plain: Data) -> Any:
     return [plain[str(side)] for side in sides]
 
 
-def _from_kalibr(values: Data, chain: list[str]) -> Camera:
+def _from_kalibr(values: Data, chain: list[str]) -> CameraFields:
     if len(chain) > 1:
         raise CameraFormatError(
             f"holds {len(chain)} cameras ({', '.join(chain)}); give a file with the one that flew"
@@ -188,7 +205,7 @@ def _from_kalibr(values: Data, chain: list[str]) -> Camera:
     if len(intrinsics) != 4:
         raise CameraFormatError(f"intrinsics has {len(intrinsics)} numbers, not fx, fy, cx, cy")
     fx, fy, cx, cy = intrinsics
-    return _camera(
+    return _fields(
         size=camera.get("resolution"),
         matrix=np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]]),
         distortion=camera.get("distortion_coeffs", []),
@@ -197,11 +214,11 @@ def _from_kalibr(values: Data, chain: list[str]) -> Camera:
     )
 
 
-def _from_photonvision(values: Data, stem: str) -> Camera:
+def _from_photonvision(values: Data, stem: str) -> CameraFields:
     lens = str(values.get("lensmodel", "LENSMODEL_OPENCV"))
     # Files of before 2024 name the distortion coefficients so.
     distortion = values.get("distCoeffs", values.get("cameraExtrinsics", []))
-    return _camera(
+    return _fields(
         size=values.get("resolution"),
         matrix=_matrix(values["cameraIntrinsics"], "cameraIntrinsics"),
         distortion=distortion,
@@ -210,9 +227,9 @@ def _from_photonvision(values: Data, stem: str) -> Camera:
     )
 
 
-def _camera(
+def _fields(
     *, size: Any, matrix: Array, distortion: Any, model: str, name: str, nominal: bool = False
-) -> Camera:
+) -> CameraFields:
     if model not in _MODELS:
         raise CameraFormatError(
             f"lens model {model!r} is unknown; calibrate with plumb_bob, rational_polynomial or "
@@ -230,7 +247,7 @@ def _camera(
     # OpenCV writes 12 or 14 where thin prism and tilt were not asked for, all zero.
     if len(coefficients) in (12, 14) and not coefficients[8:].any():
         coefficients = coefficients[:8]
-    return Camera(
+    return CameraFields(
         width=width,
         height=height,
         matrix=matrix,

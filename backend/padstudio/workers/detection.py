@@ -13,7 +13,7 @@ import numpy as np
 
 from padstudio.arrays import Image
 from padstudio.errors import ImageError
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.media import images
 from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel
@@ -103,7 +103,7 @@ def analyze(job: Job) -> dict[str, Any]:
 @lru_cache(maxsize=4)
 def _detector(pad: str, camera: str, method: Method, unmix: bool) -> Detector:
     params = DetectorParams(prepare=PrepareParams(unmix=unmix))
-    return Detector(pad_files.loads(pad), camera_files.loads(camera), method=method, params=params)
+    return Detector(pad_files.loads(pad), Camera.loads(camera), method=method, params=params)
 
 
 def paint(

@@ -10,7 +10,6 @@ import cv2
 import numpy as np
 
 from padstudio.errors import LimitError, SpecError
-from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad import files as pad_files
@@ -49,7 +48,7 @@ def simulate_frame(
     SpecError, LimitError
         As `padstudio.simulate.render.render`; or if the camera has more pixels.
     """
-    the_camera = camera_files.loads(camera)
+    the_camera = Camera.loads(camera)
     check_pixels(the_camera, max_pixels)
     scene, imaging = dressed_scene(spec, pad)
     motion = Motion(velocity_mm_s=spec["velocity_mm_s"], angular_deg_s=spec["angular_deg_s"])
@@ -86,7 +85,7 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
     """
     from padstudio.vision.detector import Detector
 
-    the_pad, the_camera = pad_files.loads(pad), camera_files.loads(camera)
+    the_pad, the_camera = pad_files.loads(pad), Camera.loads(camera)
     check_pixels(the_camera, max_pixels)
     detector = Detector(the_pad, the_camera, method=spec["method"])
     return success_map(

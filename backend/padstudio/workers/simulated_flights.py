@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from padstudio.errors import ConflictError
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.simulate import looks, trajectories, writer
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.workers.frames import check_pixels, dressed_scene
@@ -26,7 +26,7 @@ def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
     SpecError, LimitError
         As `padstudio.simulate.trajectories.plan` and `check_flight`.
     """
-    the_camera = camera_files.loads(camera)
+    the_camera = Camera.loads(camera)
     check_pixels(the_camera, max_pixels)
     trajectories.check_flight(_course(spec), the_camera)
     looks.dress(Scene(pad=None, ground=spec["ground"]), spec["look"], seed=spec["seed"])
@@ -61,7 +61,7 @@ def simulate_flight(
         written,
         _course(spec),
         scene,
-        camera_files.loads(camera),
+        Camera.loads(camera),
         imaging,
         video=video,
         codec=spec["codec"],

@@ -11,7 +11,6 @@ from padstudio.flights.pictures.previews import draw_pose, preview
 from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.tasks.detectors import Recipe
 from padstudio.flights.tasks.frames import StillPart
-from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 
@@ -39,7 +38,7 @@ def _record(height_mm: float, tilt_deg: float = 0.0) -> dict[str, object]:
 def _job(folder: Path, picture: np.ndarray) -> PictureJob:
     path = folder / "still.png"
     cv2.imwrite(str(path), picture)
-    recipe = Recipe(PAD, camera_files.to_ros_yaml(CAMERA))
+    recipe = Recipe(PAD, CAMERA.to_ros_yaml())
     return PictureJob(recipe, StillPart(str(path), path.name), "webp", folder, 10_000_000)
 
 

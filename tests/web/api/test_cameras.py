@@ -8,7 +8,7 @@ import httpx
 import pytest
 from web_server import PRESET, running, settings_for
 
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 
 CAMERAS = "/api/v1/cameras"
 CALIBRATION = """\
@@ -47,7 +47,7 @@ def test_import_list_get_file_delete(studio: httpx.Client, refused: Refused) -> 
     assert studio.get(f"{CAMERAS}/{made['id']}").json() == made
     file = studio.get(f"{CAMERAS}/{made['id']}/files/camera.yaml")
     assert 'filename="front.yaml"' in file.headers["content-disposition"]
-    assert camera_files.loads(file.content).matrix[1, 1] == 502
+    assert Camera.loads(file.content).matrix[1, 1] == 502
     assert studio.delete(f"{CAMERAS}/{made['id']}").status_code == 204
     refused(studio.get(f"{CAMERAS}/{made['id']}"), 404, "not_found")
 
@@ -60,7 +60,7 @@ def test_a_name_can_be_given(studio: httpx.Client) -> None:
 
 def test_a_preset_has_a_file_and_stays(studio: httpx.Client, refused: Refused) -> None:
     file = studio.get(f"{CAMERAS}/{PRESET}/files/camera.yaml").raise_for_status()
-    assert camera_files.loads(file.content).nominal
+    assert Camera.loads(file.content).nominal
     refused(studio.delete(f"{CAMERAS}/{PRESET}"), 409, "conflict")
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import httpx
 
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.pad import files
 
 SAMPLES = "/api/v1/samples"
@@ -15,7 +15,7 @@ def test_every_listed_file_is_served_and_is_what_it_says(studio: httpx.Client) -
     body = studio.get(SAMPLES).json()
     pad = files.loads(studio.get(body["pad"]).raise_for_status().content)
     assert pad.window >= 2
-    camera = camera_files.loads(studio.get(body["camera"]).raise_for_status().content, "camera")
+    camera = Camera.loads(studio.get(body["camera"]).raise_for_status().content, "camera")
     assert camera.width > camera.height
     assert len(body["pictures"]) >= 3
     for address in body["pictures"]:

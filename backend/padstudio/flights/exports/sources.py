@@ -13,7 +13,6 @@ from padstudio.flights.exports.options import Record
 from padstudio.flights.results.frames import Results
 from padstudio.flights.tasks.frames import StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import still_part, video_part
-from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.media.video_frames import read_frames
 from padstudio.store.database.flight_tables import FlightRow
@@ -37,7 +36,7 @@ def frame_camera(flight: FlightRow, run: Run, max_pixels: int) -> Camera:
     run : callable
     max_pixels : int
     """
-    camera = camera_files.loads(flight.camera)
+    camera = Camera.loads(flight.camera)
     if not flight.sources:
         return camera
     first = flight.sources[0]

@@ -15,7 +15,6 @@ from padstudio.errors import ImageError
 from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import rotation_of
 from padstudio.flights.tasks.frames import StillPart, read_still
-from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.pad import files as pad_files
 
@@ -58,7 +57,7 @@ def preview(job: PictureJob, record: Mapping[str, Any], width: int) -> bytes:
     size = (max(1, round(width_px * scale)), max(1, round(height_px * scale)))
     picture = np.asarray(cv2.resize(bgr, size, interpolation=cv2.INTER_AREA), np.uint8)
     if record["status"] == "ok":
-        camera = camera_files.loads(job.recipe.camera).for_frame(width_px, height_px)
+        camera = Camera.loads(job.recipe.camera).for_frame(width_px, height_px)
         draw_pose(picture, camera, _pad_size_mm(job.recipe.pad), record, scale)
     done, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
     if not done:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any, TypeVar
 
 from padstudio.errors import SpecError
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.pad import files as pad_files
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Method
@@ -43,7 +43,7 @@ def detector_for(recipe: Recipe) -> Detector:
     """The detector of a recipe; raises as the readers of its files."""
     return Detector(
         pad_files.loads(recipe.pad),
-        camera_files.loads(recipe.camera),
+        Camera.loads(recipe.camera),
         method=recipe.method,
         params=params_from(json.loads(recipe.params)),
     )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import CameraMismatchError, SpecError, StudioError
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.media import telemetry
 from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
 from padstudio.media.zip_source import list_members
@@ -151,7 +151,7 @@ class PlanTask:
         CameraMismatchError
             If it fits neither the picture as shown nor as stored.
         """
-        camera = camera_files.loads(self.camera)
+        camera = Camera.loads(self.camera)
         if not self.apply_rotation or not info.rotation_deg:
             camera.for_frame(info.width, info.height)
             return 0

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 
 from padstudio.errors import ConflictError
-from padstudio.geometry import camera_files, presets
+from padstudio.geometry import presets
 from padstudio.geometry.camera import Camera
 from padstudio.store.store import Store
 from padstudio.web.schemas.base import CameraList, CameraSummary
@@ -65,11 +65,11 @@ def import_camera(
     ] = None,
 ) -> CameraSummary:
     check_size(file.size, shared.settings.max_camera_bytes, "camera file")
-    camera = camera_files.loads(file.file.read(), file_name(file, "camera file"))
+    camera = Camera.loads(file.file.read(), file_name(file, "camera file"))
     if name and name.strip():
         camera = replace(camera, name=name.strip())
     summary = _describe(camera, "")
-    stored = shared.store.cameras.add(camera_files.to_ros_yaml(camera), summary)
+    stored = shared.store.cameras.add(camera.to_ros_yaml(), summary)
     return CameraSummary(id=stored.id, **summary)
 
 
@@ -114,7 +114,7 @@ def camera_text(store: Store, camera_id: str) -> str:
     """
     preset = presets.PRESETS.get(camera_id)
     if preset is not None:
-        return camera_files.to_ros_yaml(preset.camera)
+        return preset.camera.to_ros_yaml()
     return store.cameras.get(camera_id).content or ""
 
 

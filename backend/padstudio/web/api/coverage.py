@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query
 from fastapi.concurrency import run_in_threadpool
 
 from padstudio.errors import LimitError
-from padstudio.geometry import camera_files
+from padstudio.geometry.camera import Camera
 from padstudio.pad import files as pad_files
 from padstudio.pad.coverage import advice
 from padstudio.pad.coverage import spans as coverage
@@ -127,7 +127,7 @@ def get_advice(
 
 
 def _view(camera: str, store: Store) -> View:
-    return view_of(camera_files.loads(camera_text(store, camera)))
+    return view_of(Camera.loads(camera_text(store, camera)))
 
 
 def _chart(pad: Pad, camera: str, tilts_deg: list[float], store: Store) -> CoverageChart:

@@ -9,7 +9,6 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
 
 from padstudio.errors import ConflictError, LimitError, SpecError
-from padstudio.geometry import camera_files
 from padstudio.geometry.camera import Camera
 from padstudio.simulate.trajectories import VIDEO_KINDS
 from padstudio.store.database.data_folder import remove
@@ -46,7 +45,7 @@ async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Respon
     job = SimulationJob(
         name=spec.name or f"simulated {spec.flight}, {spec.look}",
         frames_total=spec.frames,
-        video=_is_video(spec, camera_files.loads(camera)),
+        video=_is_video(spec, Camera.loads(camera)),
         folder=await run_in_threadpool(store.folder.work_folder),
     )
 
