@@ -7,6 +7,7 @@ import pytest
 from paper_frames import FOOTAGE
 
 from padstudio.vision.cells.evidence import LEAST_SKILL
+from padstudio.vision.stage.parameter import Parameter, parameters_of
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import STAGES, Reason
 
@@ -23,6 +24,26 @@ def test_the_rule_is_the_codes():
     digits = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
     assert f"≥ k) ≤ 10⁻{str(round(-bound)).translate(digits)}**" in TEXT
     assert f"≥ {LEAST_SKILL}**" in TEXT
+
+
+def row(parameter: Parameter) -> str:
+    """A parameter's line of the table."""
+    low, high = parameter.low, parameter.high
+    default, bounds = f"{parameter.default:g}", f"{low:.7g} … {high:.7g}"
+    if parameter.kind == "bool":
+        default, bounds = "on" if parameter.default else "off", "on, off"
+    elif parameter.not_below is not None:
+        bounds = f"`{parameter.not_below}` … {high:.7g}"
+    elif parameter.not_above is not None:
+        bounds = f"{low:.7g} … `{parameter.not_above}`"
+    cells = (f"`{parameter.name}`", default, bounds, parameter.unit or "–", parameter.text)
+    return f"| {' | '.join(cells)} |"
+
+
+def test_the_table_of_parameters_is_the_list_of_parameters():
+    section = TEXT[TEXT.index("## Parameters") : TEXT.index("## When there is no pose")]
+    rows = [line for line in section.splitlines() if line.startswith("| `")]
+    assert rows == [row(parameter) for parameter in parameters_of(DetectorParams())]
 
 
 def test_stages_named_are_stages():

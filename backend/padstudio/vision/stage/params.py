@@ -1,157 +1,145 @@
-"""All parameters of the detector: frozen, keyword-only, checked where they are made."""
+"""All parameters of the detector: frozen, keyword-only, checked where they are made.
+
+`padstudio.vision.stage.parameter.parameters_of` lists them; docs/detection.md holds the table.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from padstudio.errors import SpecError
+from padstudio.vision.stage.parameter import check, parameter, switch
 
 
-@dataclass(frozen=True, kw_only=True)
-class PrepareParams:
-    """Stages `denoise` and `unmix`.
-
-    Attributes
-    ----------
-    impulse_share : float
-        Share of salt and pepper from which the 3 × 3 median is taken.
-    unmix : bool
-        Un-mix frames by the pad's crosstalk where it has one.
-    """
-
-    impulse_share: float = 0.005
-    unmix: bool = True
+class _Group:
+    """Parameters that are held to their ranges as soon as they are made."""
 
     def __post_init__(self) -> None:
-        _within("impulse_share", self.impulse_share, 0.0, 1.0)
+        check(self)
 
 
 @dataclass(frozen=True, kw_only=True)
-class SearchParams:
-    """Where and at which scales the dense method looks.
+class PrepareParams(_Group):
+    """Stages `denoise` and `unmix`."""
 
-    Attributes
-    ----------
-    coarsest_px, finest_px : int
-        A region is looked at from the scale where its longer side is about `coarsest_px` to the
-        one where it is below `finest_px`.
-    least_edges : int
-        Fewer edges than this are not worth a look.
-    least_order : float
-        Share of edges on grid lines from which a lattice is tried against the pad.
-    """
-
-    coarsest_px: int = 90
-    finest_px: int = 900
-    least_edges: int = 40
-    least_order: float = 0.5
-
-    def __post_init__(self) -> None:
-        _within("coarsest_px", self.coarsest_px, 32, 4096)
-        _within("finest_px", self.finest_px, self.coarsest_px, 65536)
-        _within("least_edges", self.least_edges, 16, 100_000)
-        _within("least_order", self.least_order, 0.3, 1.0)
+    impulse_share: float = parameter(
+        0.005, 0.0, 1.0, "share",
+        "The 3 × 3 median is taken where a larger share of pixels is salt and pepper; it costs "
+        "time and fine detail.",
+    )  # fmt: skip
+    unmix: bool = switch(
+        True, "Take the colours apart by the pad's crosstalk, where the pad has one."
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
-class RefineParams:
-    """How the pose is measured on the borders of cells.
+class SearchParams(_Group):
+    """Where and at which scales the dense method looks for a lattice."""
 
-    Attributes
-    ----------
-    most_borders : int
-        More borders of a layer than this are thinned evenly, in a still.
-    followed_borders : int
-        The same where the last frame's pose is followed; `most_borders` bounds it, too.
-    few_borders : int
-        How many of them bring the pose near enough for the rest.
-    least_cell_px : float
-        Layers whose cells are smaller than this in the frame are not measured.
-    align_below_px : float
-        Where the pad's finest cells are smaller than this, the pattern is matched as a whole
-        rather than border by border.
-    motion : bool
-        Let the pose change within a frame where the residuals ask for it (rolling shutter).
-    """
-
-    most_borders: int = 3000
-    followed_borders: int = 1000
-    few_borders: int = 300
-    least_cell_px: float = 3.2
-    align_below_px: float = 5.0
-    motion: bool = True
-
-    def __post_init__(self) -> None:
-        _within("most_borders", self.most_borders, 50, 1_000_000)
-        _within("followed_borders", self.followed_borders, 50, 1_000_000)
-        _within("few_borders", self.few_borders, 50, self.most_borders)
-        _within("least_cell_px", self.least_cell_px, 2.0, 100.0)
-        _within("align_below_px", self.align_below_px, 0.0, 100.0)
+    coarsest_px: int = parameter(
+        90, 32, 4096, "px",
+        "A region is first looked at where its longer side is about so long; larger leaves out "
+        "the scales that show near pads soonest.",
+    )  # fmt: skip
+    finest_px: int = parameter(
+        900, "coarsest_px", 65536, "px",
+        "A region is last looked at where its longer side is below this; larger finds smaller "
+        "cells, and takes longer over frames without a pad.",
+    )  # fmt: skip
+    least_edges: int = parameter(
+        40, 16, 100_000, "",
+        "Fewer edge points than this are not searched for lines; less reaches fewer cells in "
+        "view.",
+    )  # fmt: skip
+    least_order: float = parameter(
+        0.5, 0.3, 1.0, "share",
+        "A lattice is compared with the pad where at least this share of edge points lies on its "
+        "lines; less reaches blurred and covered pads, and compares more in vain.",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
-class PaperParams:
-    """The paper's method.
+class RefineParams(_Group):
+    """How the pose is measured on the borders of cells."""
 
-    Attributes
-    ----------
-    coarsest_px, finest_px : int
-        The pad's part of the frame is looked at from the scale where its longer side is at most
-        `coarsest_px` to the one where it is at most `finest_px`.
-    blocks : int
-        Blocks of the block mean along the longer side.
-    speck_px : int
-        Erosion and dilation remove what cannot hold a square of this side.
-    log10_false_alarm : float
-        As of `DetectorParams`, over the cells of the lattice; one window alone reaches about −3.
-    most_position_share, most_attitude_deg : float
-        A pose from four corners is refused where one standard deviation of the position is above
-        this share of the height, or that of the attitude above this angle.
-    """
-
-    coarsest_px: int = 700
-    finest_px: int = 1400
-    blocks: int = 4
-    speck_px: int = 3
-    log10_false_alarm: float = -4.0
-    most_position_share: float = 0.03
-    most_attitude_deg: float = 3.0
-
-    def __post_init__(self) -> None:
-        _within("coarsest_px", self.coarsest_px, 64, 65536)
-        _within("finest_px", self.finest_px, self.coarsest_px, 65536)
-        _within("blocks", self.blocks, 1, 1000)
-        _within("speck_px", self.speck_px, 1, 99)
-        _within("log10_false_alarm", self.log10_false_alarm, -300, -1)
-        _within("most_position_share", self.most_position_share, 0.0, 1.0)
-        _within("most_attitude_deg", self.most_attitude_deg, 0.0, 90.0)
+    most_borders: int = parameter(
+        3000, 50, 1_000_000, "",
+        "In a still, more borders of a layer than this are thinned evenly; more are slower and "
+        "surer.",
+    )  # fmt: skip
+    followed_borders: int = parameter(
+        1000, 50, 1_000_000, "",
+        "The same where the last frame's pose is followed; `most_borders` bounds it, too.",
+    )  # fmt: skip
+    few_borders: int = parameter(
+        300, 50, "most_borders", "",
+        "So many borders bring the pose near enough for the rest; fewer are faster and miss more "
+        "starts.",
+    )  # fmt: skip
+    least_cell_px: float = parameter(
+        3.2, 2.0, 100.0, "px",
+        "Layers whose cells are smaller than this in the frame are not measured.",
+    )  # fmt: skip
+    align_below_px: float = parameter(
+        5.0, 0.0, 100.0, "px",
+        "Where the pad's finest cells are smaller than this, the pattern is matched as a whole "
+        "rather than border by border.",
+    )  # fmt: skip
+    motion: bool = switch(
+        True,
+        "Let the pose change within a frame where the residuals ask for it (rolling shutter); "
+        "off for a global shutter, whose poses are then far surer.",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
-class DetectorParams:
-    """Parameters of the whole pipeline.
+class PaperParams(_Group):
+    """The paper's method."""
 
-    Attributes
-    ----------
-    log10_false_alarm : float
-        A pose is given only where the bound on the chance of a false match is below this power
-        of ten.
-    prepare : PrepareParams
-    search : SearchParams
-    refine : RefineParams
-    paper : PaperParams
-    """
+    coarsest_px: int = parameter(
+        700, 64, 65536, "px",
+        "The pad's part of the frame is first looked at where its longer side is at most this.",
+    )  # fmt: skip
+    finest_px: int = parameter(
+        1400, "coarsest_px", 65536, "px",
+        "It is last looked at where its longer side is at most this; larger finds smaller cells, "
+        "and takes longer.",
+    )  # fmt: skip
+    blocks: int = parameter(
+        4, 1, 1000, "",
+        "Blocks of the block mean along the longer side; more follow uneven light more closely, "
+        "and blur large cells.",
+    )  # fmt: skip
+    speck_px: int = parameter(
+        3, 1, 99, "px",
+        "Erosion and dilation remove what cannot hold a square of this side.",
+    )  # fmt: skip
+    log10_false_alarm: float = parameter(
+        -4.0, -300.0, -1.0, "log10",
+        "A pose is given where the bound on the chance of a false match, over the cells of the "
+        "lattice, is below this power of ten; one window alone reaches about −3.",
+    )  # fmt: skip
+    most_position_share: float = parameter(
+        0.03, 0.0, 1.0, "share of height",
+        "A pose from four corners is refused where one standard deviation of its position is "
+        "above this share of the height.",
+    )  # fmt: skip
+    most_attitude_deg: float = parameter(
+        3.0, 0.0, 90.0, "degrees",
+        "A pose from four corners is refused where one standard deviation of its attitude is "
+        "above this angle.",
+    )  # fmt: skip
 
-    log10_false_alarm: float = -6.0
+
+@dataclass(frozen=True, kw_only=True)
+class DetectorParams(_Group):
+    """Parameters of the whole pipeline."""
+
+    log10_false_alarm: float = parameter(
+        -6.0, -300.0, -2.0, "log10",
+        "A pose is given where the bound on the chance of a false match is below this power of "
+        "ten; higher reaches fewer cells in view, and errs more often.",
+    )  # fmt: skip
     prepare: PrepareParams = field(default_factory=PrepareParams)
     search: SearchParams = field(default_factory=SearchParams)
     refine: RefineParams = field(default_factory=RefineParams)
     paper: PaperParams = field(default_factory=PaperParams)
-
-    def __post_init__(self) -> None:
-        _within("log10_false_alarm", self.log10_false_alarm, -300, -2)
-
-
-def _within(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise SpecError(f"{name} is {value}; it must lie within {low} … {high}")
