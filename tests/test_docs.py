@@ -8,7 +8,6 @@ from places import ROOT
 
 from padstudio.cli.program import app
 from padstudio.geometry.pose import look_at_pad
-from padstudio.pad import files
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import STAGES, Reason, StageFailure
@@ -75,14 +74,14 @@ def test_every_key_of_a_poses_file_is_documented():
 def test_every_key_of_a_pad_file_is_documented():
     layer = Layer("red", 10, [[0, 1], [1, 1]])
     pad = Pad((layer,), 2, seed=1, method="growth", unique="plain", distance=1, scale=(1.1, 1))
-    data = files.to_dict(pad)
+    data = pad.to_dict()
     text = section(CONVENTIONS, "### Pad file")
     assert [key for key in (*data, *data["layers"][0]) if f"`{key}`" not in text] == []
 
 
 def test_the_pad_in_the_conventions_is_one():
     (example,) = re.findall(r"```json\n(.*?)```", CONVENTIONS, re.DOTALL)
-    pad = files.loads(example)
+    pad = Pad.loads(example)
     field = pad.layers[0].field
     windows = {field[r : r + 2, c : c + 2].tobytes() for r in range(2) for c in range(3)}
     assert len(windows) == 6

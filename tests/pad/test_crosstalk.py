@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from padstudio.errors import PadFormatError
-from padstudio.pad import files
-from padstudio.pad.crosstalk import check_matrix, separation, separation_warnings, with_crosstalk
+from padstudio.pad.crosstalk import check_matrix, separation, separation_warnings
 from padstudio.pad.spec import Layer, Pad
 
 MATRIX = ((0.62, 0.14, 0.09), (0.06, 0.70, 0.10), (0.12, 0.17, 0.55))
@@ -17,11 +16,11 @@ def pad():
 
 
 def test_the_pad_file_keeps_it_and_forgets_it(pad):
-    mixed = with_crosstalk(pad, np.array(MATRIX))
+    mixed = pad.with_crosstalk(np.array(MATRIX))
     assert mixed.crosstalk == MATRIX
-    assert files.loads(files.dumps(mixed)).crosstalk == MATRIX
-    assert files.dumps(with_crosstalk(mixed, None)) == files.dumps(pad)
-    assert "crosstalk" not in files.to_dict(pad)
+    assert Pad.loads(mixed.dumps()).crosstalk == MATRIX
+    assert mixed.with_crosstalk(None).dumps() == pad.dumps()
+    assert "crosstalk" not in pad.to_dict()
 
 
 @pytest.mark.parametrize(
@@ -40,9 +39,9 @@ def test_the_pad_file_keeps_it_and_forgets_it(pad):
     ],
 )
 def test_what_cannot_be_undone_is_refused(pad, matrix):
-    data = files.to_dict(pad) | {"crosstalk": matrix}
+    data = pad.to_dict() | {"crosstalk": matrix}
     with pytest.raises(PadFormatError, match="crosstalk"):
-        files.loads(json.dumps(data))
+        Pad.loads(json.dumps(data))
 
 
 def test_separation_is_what_the_layer_gives_less_what_the_other_adds():

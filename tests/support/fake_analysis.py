@@ -11,14 +11,14 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.media import images
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 from padstudio.workers.detection import RESULT_PICTURE, THUMBNAIL_PREFIX, Job
 
 
 def analyze(job: Job) -> dict[str, Any]:
     image = images.decode(job.image, job.max_pixels)
     height, width = image.shape[:2]
-    pad_files.loads(job.pad)
+    Pad.loads(job.pad)
     camera = Camera.loads(job.camera).for_frame(width, height)
     if job.source == "crash.png":
         os._exit(9)

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from padstudio.errors import PadFormatError, SpecError
-from padstudio.pad import files
+from padstudio.pad.spec import Pad
 from padstudio.workers import pads
 
 SPEC = {"rows": 14, "cols": 11, "ratio": 2, "seed": 5, "name": "a"}
@@ -13,7 +13,7 @@ SPEC = {"rows": 14, "cols": 11, "ratio": 2, "seed": 5, "name": "a"}
 
 def test_generate_gives_file_summary_and_proof() -> None:
     made = pads.generate(SPEC, 30.0)
-    pad = files.loads(made.content)
+    pad = Pad.loads(made.content)
     assert (pad.seed, pad.name) == (5, "a")
     assert made.summary["size_mm"] == [110.0, 140.0]
     assert [layer["rows"] for layer in made.summary["layers"]] == [14, 7]

@@ -121,12 +121,11 @@ def detect(
 
 def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
     from padstudio.flights.tasks.detectors import Recipe
-    from padstudio.pad import files as pad_files
 
     the_camera = load_camera(camera)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
-    content = pad_files.dumps(load_pad(pad))
+    content = load_pad(pad).dumps()
     params = json.dumps({"prepare": {"unmix": unmix}})
     return Recipe(content, the_camera.to_ros_yaml(), method, params)
 

@@ -146,20 +146,19 @@ def crosstalk(
 ) -> None:
     """Read a photo of the test strip; frames are then un-mixed by what printer and camera do."""
     from padstudio.media import images
-    from padstudio.pad.crosstalk import with_crosstalk
     from padstudio.vision.strip_photo import estimate_crosstalk
 
     if (photo is None) != forget:
         raise typer.BadParameter("give a photo of the test strip, or --forget")
     design = load_pad(pad)
     if photo is None:
-        with_crosstalk(design, None).save(pad)
+        design.with_crosstalk(None).save(pad)
         note(f"{pad}: frames are not un-mixed")
         return
     found = estimate_crosstalk(images.read(photo))
     if not found.usable:
         raise ImageError("; ".join(found.warnings), code="unusable_strip")
-    with_crosstalk(design, found.matrix).save(pad)
+    design.with_crosstalk(found.matrix).save(pad)
     for warning in found.warnings:
         note(f"warning: {warning}")
     note(

@@ -7,17 +7,12 @@ channels 0 … 1 in RGB order, plus what black gives.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import PadFormatError
-
-if TYPE_CHECKING:
-    from padstudio.pad.spec import Pad
 
 Row = tuple[float, float, float]
 Matrix = tuple[Row, Row, Row]
@@ -52,17 +47,6 @@ def check_matrix(matrix: Sequence[Sequence[float]] | NDArray[np.float64]) -> Mat
         )
     rows = values.tolist()
     return tuple(rows[0]), tuple(rows[1]), tuple(rows[2])
-
-
-def with_crosstalk(pad: Pad, matrix: Sequence[Sequence[float]] | NDArray[np.float64] | None) -> Pad:
-    """The pad with the mixture by which its frames are un-mixed; None forgets it.
-
-    Raises
-    ------
-    PadFormatError
-        As `check_matrix`.
-    """
-    return dataclasses.replace(pad, crosstalk=None if matrix is None else check_matrix(matrix))
 
 
 def separation(matrix: Matrix) -> tuple[float, float]:

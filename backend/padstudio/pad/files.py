@@ -1,16 +1,18 @@
-"""The pad file: JSON with ``format`` "padstudio.pad", ``version`` 1 (docs/conventions.md)."""
+"""The pad file: JSON with ``format`` "padstudio.pad", ``version`` 1 (docs/conventions.md).
+
+Reads into plain fields and writes from them; `padstudio.pad.spec` makes pads of these.
+"""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import PadFormatError
-from padstudio.pad.spec import Layer, Pad
 
 FORMAT = "padstudio.pad"
 VERSION = 1
@@ -20,41 +22,64 @@ _DIGITS = "0123456789abcdefghijklmnopqrstuvwxyz"
 _OPTIONAL = ("seed", "method", "unique", "distance")
 
 
-def load(path: Path) -> Pad:
-    """Read a pad file.
+class LayerFields(NamedTuple):
+    """A layer as a pad file holds it: `padstudio.pad.spec.Layer`, unchecked."""
+
+    channel: str
+    cell_mm: float
+    field: NDArray[np.uint8]
+
+
+class PadFields(NamedTuple):
+    """A pad as a pad file holds it: `padstudio.pad.spec.Pad`, unchecked."""
+
+    layers: tuple[LayerFields, ...]
+    window: int
+    levels: int
+    quiet_mm: float
+    name: str
+    seed: int | None
+    method: str | None
+    unique: str | None
+    distance: int | None
+    visible_lines: bool
+    scale: tuple[float, float]
+    crosstalk: Any
+
+
+def read(path: Path) -> bytes:
+    """The bytes of a pad file.
 
     Raises
     ------
     PadFormatError
-        If it cannot be read, or is ill-formed, with the place and the reason.
+        If it cannot be read, or is larger than any pad.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
             raise PadFormatError(f"{path.name}: larger than {MAX_BYTES} bytes; no pad is")
-        text = path.read_bytes()
+        return path.read_bytes()
     except OSError as error:
         raise PadFormatError(f"cannot read {path.name}: {error.strerror}") from error
-    return loads(text)
 
 
-def loads(text: str | bytes) -> Pad:
-    """Read a pad from the text of a pad file; raises as `load`."""
+def parse(text: str | bytes) -> Any:
+    """The JSON of a pad file's text; raises `PadFormatError` where it is none."""
     if len(text) > MAX_BYTES:
         raise PadFormatError(f"the pad file is larger than {MAX_BYTES} bytes; no pad is")
     try:
-        data = json.loads(text)
+        return json.loads(text)
     except (ValueError, RecursionError) as error:
         raise PadFormatError(f"the pad file is not JSON: {error}") from error
-    return from_dict(data)
 
 
-def dumps(pad: Pad) -> str:
-    """The pad as the text of a pad file; equal pads give equal texts."""
+def to_text(pad: PadFields) -> str:
+    """The text of a pad file; equal pads give equal texts."""
     return json.dumps(to_dict(pad), indent=1, ensure_ascii=False) + "\n"
 
 
-def to_dict(pad: Pad) -> dict[str, Any]:
-    """The pad as the JSON object of a pad file."""
+def to_dict(pad: PadFields) -> dict[str, Any]:
+    """The JSON object of a pad file."""
     data: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
@@ -77,8 +102,14 @@ def to_dict(pad: Pad) -> dict[str, Any]:
     return data
 
 
-def from_dict(data: Any) -> Pad:
-    """A pad from the JSON object of a pad file; raises `PadFormatError` as `load`."""
+def from_dict(data: Any) -> PadFields:
+    """The fields of a pad file's JSON object.
+
+    Raises
+    ------
+    PadFormatError
+        If it is ill-formed, with the place and the reason.
+    """
     if not isinstance(data, dict):
         raise PadFormatError("the pad file must hold a JSON object")
     if data.get("format") != FORMAT:
@@ -92,7 +123,7 @@ def from_dict(data: Any) -> Pad:
     layers = data.get("layers")
     if not isinstance(layers, list):
         raise PadFormatError("layers is missing or no list")
-    return Pad(
+    return PadFields(
         layers=tuple(_layer(item, place) for place, item in enumerate(layers)),
         window=_integer(data, "window"),
         levels=_integer(data, "levels"),
@@ -146,12 +177,12 @@ def from_codes(codes: Any, place: str) -> NDArray[np.uint8]:
     return np.stack(rows)
 
 
-def _layer(item: Any, number: int) -> Layer:
+def _layer(item: Any, number: int) -> LayerFields:
     place = f"layers[{number}]"
     if not isinstance(item, dict):
         raise PadFormatError(f"{place} is no object")
-    return Layer(
-        channel=_text(item, "channel", place=place),  # type: ignore[arg-type]
+    return LayerFields(
+        channel=_text(item, "channel", place=place),
         cell_mm=_number(item, "cell_mm", place=place),
         field=from_codes(item.get("codes"), place),
     )

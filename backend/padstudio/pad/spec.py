@@ -1,19 +1,19 @@
-"""The pad and its layers: the objects that every other part works on.
-
-The file form lives in `padstudio.pad.files`.
-"""
+"""The pad and its layers: the objects that every other part works on."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Array
 from padstudio.errors import PadFormatError
+from padstudio.pad import files
 from padstudio.pad.crosstalk import Matrix, check_matrix
 
 Channel = Literal["red", "green", "blue"]
@@ -168,15 +168,46 @@ class Pad:
         PadFormatError
             If the file is ill-formed, with the place and the reason.
         """
-        from padstudio.pad import files
+        return cls.loads(files.read(Path(path)))
 
-        return files.load(Path(path))
+    @classmethod
+    def loads(cls, text: str | bytes) -> Pad:
+        """The pad in the text of a pad file; raises as `load`."""
+        return cls.from_dict(files.parse(text))
+
+    @classmethod
+    def from_dict(cls, data: Any) -> Pad:
+        """The pad in the JSON object of a pad file; raises as `load`."""
+        fields = files.from_dict(data)
+        layers = tuple(Layer(**layer._asdict()) for layer in fields.layers)
+        return cls(**fields._asdict() | {"layers": layers})
 
     def save(self, path: str | Path) -> None:
         """Write the pad as a pad file."""
-        from padstudio.pad import files
+        Path(path).write_text(self.dumps(), encoding="utf-8")
 
-        Path(path).write_text(files.dumps(self), encoding="utf-8")
+    def dumps(self) -> str:
+        """The text of the pad's file; equal pads give equal texts."""
+        return files.to_text(self._fields())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON object of the pad's file."""
+        return files.to_dict(self._fields())
+
+    def _fields(self) -> files.PadFields:
+        layers = tuple(files.LayerFields(x.channel, x.cell_mm, x.field) for x in self.layers)
+        rest = {key: getattr(self, key) for key in files.PadFields._fields if key != "layers"}
+        return files.PadFields(layers, **rest)
+
+    def with_crosstalk(self, matrix: Sequence[Sequence[float]] | Array | None) -> Pad:
+        """The pad with the mixture by which its frames are un-mixed; None forgets it.
+
+        Raises
+        ------
+        PadFormatError
+            As `padstudio.pad.crosstalk.check_matrix`.
+        """
+        return replace(self, crosstalk=None if matrix is None else check_matrix(matrix))
 
     def layer(self, channel: Channel) -> Layer | None:
         """The layer in a channel, or None."""

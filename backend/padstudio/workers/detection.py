@@ -15,8 +15,7 @@ from padstudio.arrays import Image
 from padstudio.errors import ImageError
 from padstudio.geometry.camera import Camera
 from padstudio.media import images
-from padstudio.pad import files as pad_files
-from padstudio.pad.spec import Channel
+from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import stages as overlays
 from padstudio.vision.stage.detection import Detection, Method
@@ -103,7 +102,7 @@ def analyze(job: Job) -> dict[str, Any]:
 @lru_cache(maxsize=4)
 def _detector(pad: str, camera: str, method: Method, unmix: bool) -> Detector:
     params = DetectorParams(prepare=PrepareParams(unmix=unmix))
-    return Detector(pad_files.loads(pad), Camera.loads(camera), method=method, params=params)
+    return Detector(Pad.loads(pad), Camera.loads(camera), method=method, params=params)
 
 
 def paint(

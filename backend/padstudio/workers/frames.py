@@ -12,7 +12,7 @@ import numpy as np
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 from padstudio.simulate import looks
 from padstudio.simulate.motion import Motion
 from padstudio.simulate.radiance.scene import Scene
@@ -85,7 +85,7 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
     """
     from padstudio.vision.detector import Detector
 
-    the_pad, the_camera = pad_files.loads(pad), Camera.loads(camera)
+    the_pad, the_camera = Pad.loads(pad), Camera.loads(camera)
     check_pixels(the_camera, max_pixels)
     detector = Detector(the_pad, the_camera, method=spec["method"])
     return success_map(
@@ -111,7 +111,7 @@ def dressed_scene(spec: Mapping[str, Any], pad: str | None) -> tuple[Scene, Imag
         The content of a pad file, None for bare ground.
     """
     scene = Scene(
-        pad=pad_files.loads(pad) if pad is not None else None,
+        pad=Pad.loads(pad) if pad is not None else None,
         quiet_mm=spec["quiet_mm"],
         ground=spec["ground"],
         ground_seed=spec["seed"],

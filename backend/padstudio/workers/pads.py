@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from padstudio.pad import files as pad_files
 from padstudio.pad.coding import field_tables, verify
 from padstudio.pad.coding import generate as coding
 from padstudio.pad.crosstalk import Matrix, separation, separation_warnings
@@ -50,12 +49,12 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
         As `generate_pad`.
     """
     pad = coding.generate_pad(**spec, budget_s=budget_s)
-    return Design(pad_files.dumps(pad), summarize(pad), _verify(pad))
+    return Design(pad.dumps(), summarize(pad), _verify(pad))
 
 
 def verify_content(content: str) -> dict[str, Any]:
     """What holds for a pad file's layers, as `Design.verification`."""
-    return _verify(pad_files.loads(content))
+    return _verify(Pad.loads(content))
 
 
 @dataclass(frozen=True)
@@ -99,10 +98,10 @@ def read(content: bytes, suffix: str = ".json", sizes: TableSizes | None = None)
         With the place and the reason.
     """
     if suffix in ("", ".json"):
-        pad = pad_files.loads(content)
+        pad = Pad.loads(content)
     else:
         pad = _of_table(content, suffix, sizes or TableSizes())
-    return Design(pad_files.dumps(pad), summarize(pad))
+    return Design(pad.dumps(), summarize(pad))
 
 
 def _of_table(content: bytes, suffix: str, sizes: TableSizes) -> Pad:

@@ -7,7 +7,6 @@ from typing import Any
 
 from padstudio.errors import LimitError
 from padstudio.media import images
-from padstudio.pad import files as pad_files
 from padstudio.pad.spec import Channel, Pad
 from padstudio.render import documents
 from padstudio.render.painters.options import PrintOptions
@@ -51,7 +50,7 @@ def paint(
     SpecError
         As `padstudio.render.documents.make`.
     """
-    pad = pad_files.loads(content)
+    pad = Pad.loads(content)
     if form == "png":
         _check_pixels(pad, options.dpi, max_pixels)
     pieces, media_type, _ = documents.make(pad, form, options, channel=channel)

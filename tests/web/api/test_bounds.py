@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from web_server import SMALL_SPEC, running, settings_for
 
-from padstudio.pad import files as pad_files
 from padstudio.pad.coding.verify import verify_field
+from padstudio.pad.spec import Pad
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]
@@ -57,7 +57,7 @@ def test_impossible_pads_are_refused_without_a_worker(tmp_path: Any, refused: Re
 
 def test_the_default_pad_has_distance_three(studio: httpx.Client) -> None:
     body = studio.post(f"{PADS}/preview", json={"rows": 40, "cols": 40}).raise_for_status().json()
-    pad = pad_files.from_dict(body["pad"])
+    pad = Pad.from_dict(body["pad"])
     found = verify_field(pad.layers[0].field, 5, 2, distance_limit=3)
     assert (pad.unique, pad.distance) == ("rotation", 3)
     assert found.min_distance_under_rotation >= 3
@@ -69,7 +69,7 @@ def test_the_default_pad_has_distance_three(studio: httpx.Client) -> None:
 def test_fields_come_in_from_tables_and_pictures(studio: httpx.Client, form: str) -> None:
     made = studio.post(PADS, json=SMALL_SPEC | {"ratio": 1}).json()
     stored = studio.get(f"{PADS}/{made['id']}/files/pad.json").json()
-    field = pad_files.from_dict(stored).layers[0].field
+    field = Pad.from_dict(stored).layers[0].field
     content = {
         "csv": "\n".join(";".join(map(str, row)) for row in field).encode(),
         "npy": _npy(field),
@@ -82,7 +82,7 @@ def test_fields_come_in_from_tables_and_pictures(studio: httpx.Client, form: str
     assert (taken["name"], taken["unique"]) == ("my field", "rotation")
     assert taken["distance"] >= 3
     assert [layer["cell_mm"] for layer in taken["layers"]] == [4, 8]
-    again = pad_files.from_dict(studio.get(f"{PADS}/{taken['id']}").json()["pad"])
+    again = Pad.from_dict(studio.get(f"{PADS}/{taken['id']}").json()["pad"])
     assert np.array_equal(again.layers[0].field, field)
     assert np.array_equal(again.layers[1].field, field[:6, :5])
 

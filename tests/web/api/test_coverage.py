@@ -11,10 +11,10 @@ import pytest
 from web_server import PRESET, SMALL_SPEC, running, settings_for, store_pad
 
 from padstudio.geometry import presets
-from padstudio.pad import files as pad_files
 from padstudio.pad.coverage.advice import advise
 from padstudio.pad.coverage.dead_bands import dead_bands
 from padstudio.pad.coverage.spans import METHOD_LIMITS, coverage
+from padstudio.pad.spec import Pad
 from padstudio.simulate.success_map import view_of
 
 PADS = "/api/v1/pads"
@@ -27,7 +27,7 @@ TWO_LAYERS = [
 
 
 def test_the_chart_is_the_librarys(studio: httpx.Client, pad_id: str) -> None:
-    pad = pad_files.from_dict(studio.get(f"{PADS}/{pad_id}").json()["pad"])
+    pad = Pad.from_dict(studio.get(f"{PADS}/{pad_id}").json()["pad"])
     tilts = [0.0, 25.0, 60.0]
     chart = (
         studio.get(f"{PADS}/{pad_id}/coverage", params={"camera": PRESET, "tilt_deg": tilts})
@@ -55,7 +55,7 @@ def test_sizes_alone_have_a_chart_and_its_dead_bands(studio: httpx.Client) -> No
     assert len(paper["dead_bands"]) == 2
     assert "blue cells across" in paper["dead_bands"][0]["message"]
     assert "the sign as a whole" in paper["dead_bands"][1]["message"]
-    pad = pad_files.from_dict(
+    pad = Pad.from_dict(
         {
             "format": "padstudio.pad",
             "version": 1,

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from web_server import SMALL_SPEC, running, settings_for, store_pad
 
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]
@@ -34,7 +34,7 @@ def _import(studio: httpx.Client, content: bytes | str) -> httpx.Response:
 def test_preview_gives_a_pad_file_and_stores_nothing(studio: httpx.Client) -> None:
     before = studio.get(PADS).json()["total"]
     body = studio.post(f"{PADS}/preview", json=SMALL_SPEC).raise_for_status().json()
-    pad = pad_files.from_dict(body["pad"])
+    pad = Pad.from_dict(body["pad"])
     assert (pad.name, pad.seed, pad.window) == ("small", 7, 5)
     assert [(layer.rows, layer.cols) for layer in pad.layers] == [(12, 10), (6, 5)]
     assert body["verification"]["windows"] == (12 - 4) * (10 - 4)
@@ -81,7 +81,7 @@ def test_import_keeps_every_property(studio: httpx.Client) -> None:
     assert (made["seed"], made["unique"]) == (10**25, "plain")
     assert made["size_mm"] == pytest.approx([30.06, 29.94])
     stored = studio.get(f"{PADS}/{made['id']}/files/pad.json")
-    assert pad_files.from_dict(stored.json()).scale == (1.002, 0.998)
+    assert Pad.from_dict(stored.json()).scale == (1.002, 0.998)
 
 
 @pytest.mark.parametrize(

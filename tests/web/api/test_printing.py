@@ -14,8 +14,8 @@ import pytest
 from strip_photo import strip_photo
 from web_server import SMALL_SPEC, store_pad
 
-from padstudio.pad import files as pad_files
 from padstudio.pad.sheets.tiling import SheetOptions, plan_sheets
+from padstudio.pad.spec import Pad
 
 PADS = "/api/v1/pads"
 Refused = Callable[..., dict[str, Any]]
@@ -36,7 +36,7 @@ def test_a_stored_pad_and_its_bare_sizes_plan_alike(studio: httpx.Client) -> Non
     stored = studio.get(f"{PADS}/{made['id']}/sheets", params=query).raise_for_status().json()
     body = {"pad": SIZES, "options": query}
     assert studio.post("/api/v1/sheets", json=body).raise_for_status().json() == stored
-    pad = pad_files.from_dict(studio.get(f"{PADS}/{made['id']}").json()["pad"])
+    pad = Pad.from_dict(studio.get(f"{PADS}/{made['id']}").json()["pad"])
     plan = plan_sheets(pad, SheetOptions(paper="A4", joint="overlap", margin_mm=8))
     assert stored["count"] == len(plan.sheets) == len(stored["sheets"])
     assert stored["x_seams_mm"] == list(plan.x_seams_mm)
@@ -104,7 +104,7 @@ def test_every_form_is_named_after_the_pad(studio: httpx.Client, pad_id: str) ->
 
 
 def test_tables_of_one_layer_or_of_all(studio: httpx.Client, pad_id: str) -> None:
-    pad = pad_files.from_dict(studio.get(f"{PADS}/{pad_id}").json()["pad"])
+    pad = Pad.from_dict(studio.get(f"{PADS}/{pad_id}").json()["pad"])
     address = f"{PADS}/{pad_id}/files/pad.npy"
     one = studio.get(address, params={"channel": "blue"}).raise_for_status()
     assert np.array_equal(np.load(io.BytesIO(one.content)), pad.layers[1].field)

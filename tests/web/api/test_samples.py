@@ -6,14 +6,14 @@ from typing import Any
 import httpx
 
 from padstudio.geometry.camera import Camera
-from padstudio.pad import files
+from padstudio.pad.spec import Pad
 
 SAMPLES = "/api/v1/samples"
 
 
 def test_every_listed_file_is_served_and_is_what_it_says(studio: httpx.Client) -> None:
     body = studio.get(SAMPLES).json()
-    pad = files.loads(studio.get(body["pad"]).raise_for_status().content)
+    pad = Pad.loads(studio.get(body["pad"]).raise_for_status().content)
     assert pad.window >= 2
     camera = Camera.loads(studio.get(body["camera"]).raise_for_status().content, "camera")
     assert camera.width > camera.height

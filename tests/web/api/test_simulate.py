@@ -15,7 +15,7 @@ from web_server import PRESET, PRESET_SIZE, running, settings_for, store_pad
 
 from padstudio.geometry import presets
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 from padstudio.simulate.looks import LOOKS
 from padstudio.simulate.render import corners_px
 
@@ -42,7 +42,7 @@ def test_the_picture_shows_the_pad_where_the_truth_says(studio: httpx.Client) ->
     assert np.allclose(truth.position_mm, asked.position_mm)
     assert np.allclose(truth.rotation, asked.rotation)
     assert body["truth"]["tilt_deg"] == pytest.approx(20)
-    pad = pad_files.from_dict(studio.get(f"/api/v1/pads/{stored}").json()["pad"])
+    pad = Pad.from_dict(studio.get(f"/api/v1/pads/{stored}").json()["pad"])
     corners = corners_px(presets.get(PRESET).camera, truth, pad, "red")
     middles = (corners[:-1, :-1] + corners[1:, 1:]) / 2
     red = np.array([image[round(y), round(x), 2] for x, y in middles.reshape(-1, 2)], float)

@@ -16,7 +16,7 @@ from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import rotation_of
 from padstudio.flights.tasks.frames import StillPart, read_still
 from padstudio.geometry.camera import Camera
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 
 _BYTES_OF_TIMESTAMP = 8
 _QUALITY = 82
@@ -115,7 +115,7 @@ def _decode(job: PictureJob) -> Image:
 
 @lru_cache(maxsize=4)
 def _pad_size_mm(pad: str) -> tuple[float, float]:
-    return pad_files.loads(pad).size_mm
+    return Pad.loads(pad).size_mm
 
 
 def _project(points_mm: Array, camera: Camera, record: Mapping[str, Any], scale: float) -> Array:

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from padstudio.errors import SpecError
 from padstudio.geometry.camera import Camera
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Method
 from padstudio.vision.stage.params import DetectorParams
@@ -42,7 +42,7 @@ class Recipe:
 def detector_for(recipe: Recipe) -> Detector:
     """The detector of a recipe; raises as the readers of its files."""
     return Detector(
-        pad_files.loads(recipe.pad),
+        Pad.loads(recipe.pad),
         Camera.loads(recipe.camera),
         method=recipe.method,
         params=params_from(json.loads(recipe.params)),

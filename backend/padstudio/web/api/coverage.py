@@ -9,7 +9,6 @@ from fastapi.concurrency import run_in_threadpool
 
 from padstudio.errors import LimitError
 from padstudio.geometry.camera import Camera
-from padstudio.pad import files as pad_files
 from padstudio.pad.coverage import advice
 from padstudio.pad.coverage import spans as coverage
 from padstudio.pad.coverage.dead_bands import DeadBand, dead_bands
@@ -51,7 +50,7 @@ def get_pad_coverage(
         list[float], Query(min_length=1, max_length=200, description="May be given repeatedly.")
     ] = [0.0],  # noqa: B006 - FastAPI copies it
 ) -> CoverageChart:
-    pad = pad_files.loads(shared.store.pads.get(pad_id).content or "")
+    pad = Pad.loads(shared.store.pads.get(pad_id).content or "")
     return _chart(pad, camera, tilt_deg, shared.store)
 
 

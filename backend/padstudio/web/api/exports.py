@@ -16,7 +16,7 @@ from padstudio.flights.exports.forms import FORMS, export
 from padstudio.flights.exports.options import ExportOptions
 from padstudio.flights.exports.sources import FlightPictures, frame_camera
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
-from padstudio.pad import files as pad_files
+from padstudio.pad.spec import Pad
 from padstudio.web.server.services import (
     ERRORS,
     ItemId,
@@ -144,7 +144,7 @@ def _stream(
     results = shared.flights.results
     options = ExportOptions(
         camera=frame_camera(flight, run, max_pixels) if form in _WITH_CAMERA else None,
-        pad_size_mm=pad_files.loads(flight.pad).size_mm,
+        pad_size_mm=Pad.loads(flight.pad).size_mm,
         picture=FlightPictures(flight, results, run, max_pixels) if images else None,
         start_unix_s=choices.start_unix_s,
         mount=choices.mount,

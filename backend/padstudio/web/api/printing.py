@@ -9,8 +9,6 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
-from padstudio.pad import files as pad_files
-from padstudio.pad.crosstalk import with_crosstalk
 from padstudio.pad.print_scale import with_measured_size
 from padstudio.pad.sheets.tiling import plan_sheets
 from padstudio.pad.spec import Pad
@@ -78,7 +76,7 @@ async def get_pad_file(
 def get_pad_sheets(
     pad_id: ItemId, options: Annotated[SheetQuery, Query()], shared: Shared
 ) -> SheetPlanInfo:
-    pad = pad_files.loads(shared.store.pads.get(pad_id).content or "")
+    pad = Pad.loads(shared.store.pads.get(pad_id).content or "")
     return SheetPlanInfo(**plan_sheets(pad, options.sheet_options()).to_dict())
 
 
@@ -94,7 +92,7 @@ def plan_a_shape(request: SheetsRequest) -> SheetPlanInfo:
     summary="Enter the size that a pad's print came out at",
 )
 def set_pad_scale(pad_id: ItemId, size: MeasuredSize, shared: Shared) -> PadSummary:
-    pad = pad_files.loads(shared.store.pads.get(pad_id).content or "")
+    pad = Pad.loads(shared.store.pads.get(pad_id).content or "")
     measured = with_measured_size(pad, ruler_mm=size.ruler_mm, x_mm=size.x_mm, y_mm=size.y_mm)
     return _replace(pad_id, measured, shared)
 
@@ -134,12 +132,12 @@ def forget_crosstalk(pad_id: ItemId, shared: Shared) -> PadSummary:
 
 
 def _keep_crosstalk(pad_id: str, matrix: list[list[float]] | None, shared: Services) -> PadSummary:
-    pad = pad_files.loads(shared.store.pads.get(pad_id).content or "")
-    return _replace(pad_id, with_crosstalk(pad, matrix), shared)
+    pad = Pad.loads(shared.store.pads.get(pad_id).content or "")
+    return _replace(pad_id, pad.with_crosstalk(matrix), shared)
 
 
 def _replace(pad_id: str, pad: Pad, shared: Services) -> PadSummary:
-    stored = shared.store.pads.replace(pad_id, pad_files.dumps(pad), design.summarize(pad))
+    stored = shared.store.pads.replace(pad_id, pad.dumps(), design.summarize(pad))
     return pad_summary(stored)
 
 
