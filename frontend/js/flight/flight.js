@@ -44,7 +44,7 @@ import { makeFrameLoader } from "./frameLoader.js";
 import { filterFromText, filterToText } from "./frameTableLogic.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
 import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
-import { watchFlight } from "./flightWatch.js";
+import { watchFlight } from "../server/flightWatch.js";
 
 const address = readAddress();
 const id = location.pathname.split("/")[2];

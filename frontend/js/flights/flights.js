@@ -25,7 +25,7 @@ import { cameraGroups, cameraNote, padGroups, padNote } from "../shared/readingL
 import { isOpen } from "../flight/flightLogic.js";
 import * as flightsApi from "../server/flightsApi.js";
 import { makeIntake } from "../shared/intake.js";
-import { missingOrder, rangeFault, rangeValues } from "../flight/orderLogic.js";
+import { missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
 import { sceneFrom } from "../shared/readingChoice.js";
 import { makeUploadQueue } from "./uploadQueue.js";
 import { readyIds, totals } from "./uploadsLogic.js";

@@ -4,7 +4,7 @@ import {
 } from "/static/js/flight/flightLogic.js";
 import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flight/flightFrameLogic.js";
 import { bytes, clock, percent } from "/static/js/shared/formatLogic.js";
-import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/flight/orderLogic.js";
+import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/shared/orderLogic.js";
 import { contains, equal } from "./check.js";
 
 const flight = (change = {}) => ({

@@ -7,7 +7,7 @@
 import * as api from "../../server/api.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "../../shared/readingLogic.js";
 import { makeIntake } from "../../shared/intake.js";
-import { paramsFrom, rangeFault, rangeOf, rangeValues } from "../orderLogic.js";
+import { paramsFrom, rangeFault, rangeOf, rangeValues } from "../../shared/orderLogic.js";
 import { mountChoice } from "../../shared/components/choice.js";
 
 /**

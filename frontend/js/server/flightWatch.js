@@ -1,11 +1,11 @@
 /**
  * Follows a flight while it runs: Server-Sent Events, and asking again where they do not come.
  *
- * @typedef {import("../server/flightsApi.js").Flight} Flight
+ * @typedef {import("./flightsApi.js").Flight} Flight
  */
 
-import { isOpen } from "./flightLogic.js";
-import { eventsUrl, getFlight } from "../server/flightsApi.js";
+import { isOpen } from "../flight/flightLogic.js";
+import { eventsUrl, getFlight } from "./flightsApi.js";
 
 const POLL_MS = 2000;
 
