@@ -38,5 +38,7 @@ def test_logic(open_page: Callable[..., Page], name: str) -> None:
 
 def test_every_logic_module_is_tested() -> None:
     tested = "".join((LOGIC / name).read_text(encoding="utf-8") for name in FILES)
-    modules = {path.name for path in (FRONTEND / "js").glob("*Logic.js")}
-    assert {name for name in modules if f"/static/js/{name}" not in tested} == set()
+    modules = {
+        path.relative_to(FRONTEND).as_posix() for path in (FRONTEND / "js").rglob("*Logic.js")
+    }
+    assert {name for name in modules if f"/static/{name}" not in tested} == set()

@@ -38,9 +38,9 @@ import { tableSizes, textsOfPad } from "./designLogic.js";
 import { makeDesignView } from "./designView.js";
 import { viewOfPad } from "./padLogic.js";
 import * as planApi from "../server/planApi.js";
-import { makePrintDesk } from "./sheetAndCoverageQueries.js";
+import { makeSheetAndCoverageQueries } from "./sheetAndCoverageQueries.js";
 import { fileQuery, keptStrip, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
-import { makePrints } from "./printActions.js";
+import { makePrintActions } from "./printActions.js";
 import { parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
 import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
 
@@ -81,24 +81,24 @@ const view = makeDesignView({
   onView: (view) => set({ view }),
   onPair: (pair) => set({ pair, ...(pair === null ? {} : { viewport: null }) }),
   onPrint: (print) => set({ print }),
-  onMeasured: (x, y) => void prints.takeReadings(x, y),
-  onStripPhoto: (photo) => void prints.takeStripPhoto(photo),
-  onStripForget: () => void prints.forgetStrip(),
+  onMeasured: (x, y) => void printActions.takeReadings(x, y),
+  onStripPhoto: (photo) => void printActions.takeStripPhoto(photo),
+  onStripForget: () => void printActions.forgetStrip(),
   onCamera: (camera) => set({ camera }),
   onDownload: (form) => {
     const { options } = parsePrint(state.print);
-    if (options) void prints.fetchFile(form, fileQuery(form, options));
+    if (options) void printActions.fetchFile(form, fileQuery(form, options));
   },
   onOpen,
   onDelete,
   onImport: (file) => void importFile(file),
 });
-const desk = makePrintDesk({
+const queries = makeSheetAndCoverageQueries({
   onPlan: (plan, planFault) => set({ plan, planFault }),
   onChart: (chart) => set({ chart }),
 });
 
-const prints = makePrints({
+const printActions = makePrintActions({
   padId: save,
   onChange: async (change) => {
     set(change);
@@ -134,7 +134,7 @@ function writeState() {
 function render() {
   view.update(state, parseSpec(state.texts, view.bounds), parsePrint(state.print));
   const { pad, camera } = state;
-  desk.want({ shape: pad && shapeOfPad(pad), options: parsePrint(state.print).options, camera });
+  queries.want({ shape: pad && shapeOfPad(pad), options: parsePrint(state.print).options, camera });
 }
 
 /** @param {Record<string, string>} texts */

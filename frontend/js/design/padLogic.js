@@ -1,7 +1,8 @@
 /**
  * A pad as the page draws it, from the codes of a pad file.
  *
- * @typedef {"red" | "green" | "blue"} Channel
+ * @typedef {import("../server/answers.js").Channel} Channel
+ * @typedef {import("../server/answers.js").PadFile} PadFile
  *
  * @typedef {object} LayerView
  * @property {Channel} channel
@@ -18,13 +19,6 @@
  * @property {number} widthMm  without the quiet margin
  * @property {number} heightMm
  * @property {LayerView[]} layers
- *
- * @typedef {object} PadFile
- * @property {string} name
- * @property {number} window
- * @property {number} levels
- * @property {number} [quiet_mm]
- * @property {{channel: Channel, cell_mm: number, codes: string[]}[]} layers
  *
  * @typedef {object} CellPlace
  * @property {LayerView} layer

@@ -2,7 +2,7 @@
  * Prints of the pad as files, and what comes back from paper: what the rulers read, and a photo of
  * the test strip.
  *
- * @typedef {object} PrintsOptions
+ * @typedef {object} PrintActionsOptions
  * @property {() => Promise<string | null>} padId  of the stored pad; stores it first where it is not
  * @property {(change: {scale?: [number, number],
  *   strip?: import("./printLogic.js").StripReading | null}) => Promise<void>} onChange
@@ -14,8 +14,8 @@ import { fetchFile, messageOf, padFileUrl } from "../server/api.js";
 import * as planApi from "../server/planApi.js";
 import { readings } from "./printLogic.js";
 
-/** @param {PrintsOptions} options */
-export function makePrints({ padId, onChange, onStatus }) {
+/** @param {PrintActionsOptions} options */
+export function makePrintActions({ padId, onChange, onStatus }) {
   /** @param {(id: string) => Promise<string>} act  gives what to say of it */
   async function report(act) {
     const id = await padId();

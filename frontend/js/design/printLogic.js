@@ -2,27 +2,8 @@
  * How a pad is printed: the form's defaults, checks and address, and what a plan of sheets says.
  *
  * @typedef {import("./padLogic.js").PadView} PadView
- *
- * @typedef {object} SheetPlan  lengths on the page in mm from its top left
- * @property {string} paper
- * @property {"portrait" | "landscape"} orientation
- * @property {[number, number]} paper_mm
- * @property {[number, number]} page_mm
- * @property {number} rows
- * @property {number} cols
- * @property {number} count
- * @property {number} paper_m2
- * @property {boolean} on_cells
- * @property {number[]} x_seams_mm
- * @property {number[]} y_seams_mm
- * @property {{name: string, row: number, col: number,
- *   core_mm: [number, number, number, number], at_mm: [number, number]}[]} sheets
- *
- * @typedef {object} PadShape  what sheets and coverage depend on
- * @property {number} window
- * @property {number} levels
- * @property {number} quiet_mm
- * @property {{channel: string, rows: number, cols: number, cell_mm: number}[]} layers
+ * @typedef {import("../server/answers.js").SheetPlan} SheetPlan
+ * @typedef {import("../server/answers.js").PadShape} PadShape
  *
  * @typedef {Record<string, string>} Texts
  *

@@ -10,20 +10,20 @@
  * @property {Record<string, string> | null} options  of the print
  * @property {string} camera  id, or empty
  *
- * @typedef {object} PrintDeskEvents
+ * @typedef {object} QueryEvents
  * @property {(plan: SheetPlan | null, fault: string) => void} onPlan
  * @property {(chart: CoverageChart | null) => void} onChart
  */
 
-import { makeAsker } from "../server/latestAnswer.js";
+import { makeLatestAnswer } from "../server/latestAnswer.js";
 import { TILTS_DEG } from "../shared/coverageLogic.js";
 import { planCoverage, planSheets } from "../server/planApi.js";
 import { sheetOptions } from "./printLogic.js";
 
-/** @param {PrintDeskEvents} events */
-export function makePrintDesk({ onPlan, onChart }) {
-  const sheets = makeAsker(onPlan);
-  const charts = makeAsker((/** @type {CoverageChart | null} */ chart) => onChart(chart));
+/** @param {QueryEvents} events */
+export function makeSheetAndCoverageQueries({ onPlan, onChart }) {
+  const sheets = makeLatestAnswer(onPlan);
+  const charts = makeLatestAnswer((/** @type {CoverageChart | null} */ chart) => onChart(chart));
   return {
     /** @param {Wish} wish  an unchanged one asks nothing */
     want({ shape, options, camera }) {

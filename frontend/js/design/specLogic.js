@@ -1,20 +1,7 @@
 /**
  * The specification of a pad: defaults, bounds, checks, and its form in the address.
  *
- * @typedef {object} PadSpec
- * @property {string} name
- * @property {number} window  b: every b × b window of a layer is there once
- * @property {number} levels  Y: levels of a cell
- * @property {number} rows  rows of the red layer
- * @property {number} cols  columns of the red layer
- * @property {number} ratio  red cells along one blue cell; 1 leaves the blue layer out
- * @property {number} cell_mm  side of a red cell
- * @property {number} quiet_mm  white margin
- * @property {"rotation" | "plain"} unique
- * @property {number} distance  least number of cells in which two windows differ
- * @property {boolean} visible_lines  each window shows a change of level across each inner line
- * @property {"growth" | "auto"} method
- * @property {number | null} seed  null: drawn by the server
+ * @typedef {import("../server/answers.js").PadSpec} PadSpec
  *
  * @typedef {Partial<Record<keyof PadSpec, string>>} SpecErrors
  *

@@ -1,33 +1,9 @@
 /**
  * What the server's independent check of a pad says, as facts for a reader.
  *
- * @typedef {object} NearPair
- * @property {number} row
- * @property {number} col
- * @property {number} other_row
- * @property {number} other_col
- * @property {number} turn  quarter turns of the other that bring the two nearest
- * @property {number} distance  cells in which they then differ
- *
- * @typedef {object} Verification
- * @property {string} [channel]
- * @property {number} window
- * @property {number} windows
- * @property {number} windows_possible
- * @property {boolean} unique
- * @property {boolean} unique_under_rotation
- * @property {boolean} visible_lines
- * @property {number} distance_limit
- * @property {number | null} [min_distance]
- * @property {number | null} [min_distance_under_rotation]
- * @property {number[]} [histogram]
- * @property {number[]} [histogram_under_rotation]
- * @property {number[]} [level_counts]
- * @property {NearPair[]} [weakest]
- * @property {OtherLayer[]} [others]
- *
- * @typedef {Pick<Verification, "unique" | "unique_under_rotation" | "min_distance" |
- *   "min_distance_under_rotation"> & {channel: string}} OtherLayer
+ * @typedef {import("../server/answers.js").NearPair} NearPair
+ * @typedef {import("../server/answers.js").Verification} Verification
+ * @typedef {import("../server/answers.js").OtherLayer} OtherLayer
  */
 
 import { compact, number } from "../shared/formatLogic.js";

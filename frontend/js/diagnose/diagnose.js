@@ -12,7 +12,7 @@
  * @property {Viewport | null} viewport  of the enlarged picture
  * @property {import("../shared/components/status.js").Status} status
  *
- * @typedef {import("../shared/readingChoice.js").Scene & OwnState} State
+ * @typedef {import("../shared/readingChoice.js").ReadingChoice & OwnState} State
  */
 
 import { readAddress, writeAddress } from "../shared/address.js";
@@ -28,7 +28,7 @@ import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } fr
 import { makeIntake } from "../shared/intake.js";
 import * as queue from "../shared/queueLogic.js";
 import { makeReader } from "./reader.js";
-import { sceneFrom } from "../shared/readingChoice.js";
+import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { arrangeStages, channelsOf, resultCards, stagesOf } from "../shared/stagesLogic.js";
 import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
 
@@ -38,7 +38,7 @@ const maxBytes = Number(byId("drop-zone").dataset.maxBytes);
 
 /** @type {State} */
 const state = {
-  ...sceneFrom(address),
+  ...readingChoiceFrom(address),
   frames: [],
   selectedId: null,
   stage: address.get("stage"),

@@ -2,29 +2,9 @@
  * The figures of a flight as Plotly draws them, and what they mean.
  *
  * @typedef {import("./timelineLogic.js").Timeline} Timeline
- *
- * @typedef {object} Trajectory  columns of equal length, null where a frame has no pose
- * @property {number[]} frame
- * @property {(number | null)[]} time_s
- * @property {(number | null)[]} x_mm
- * @property {(number | null)[]} y_mm
- * @property {(number | null)[]} z_mm
- *
- * @typedef {object} HeightFit
- * @property {number} slope
- * @property {number} slope_low
- * @property {number} slope_high
- * @property {number} offset_mm
- * @property {number} scatter_mm
- * @property {number} samples
- * @property {number} range_m
- * @property {"agrees" | "too_high" | "too_low" | "uncertain"} verdict
- *
- * @typedef {object} Figures
- * @property {Trajectory} trajectory
- * @property {{number: number, frame: number, position_mm: [number, number, number] | null,
- *   axis: [number, number, number] | null}[]} samples
- * @property {{frame: number[], telemetry_m: number[], pose_mm: number[], fit: HeightFit | null} | null} heights
+ * @typedef {import("../server/answers.js").Trajectory} Trajectory
+ * @typedef {import("../server/answers.js").HeightFit} HeightFit
+ * @typedef {import("../server/answers.js").Figures} Figures
  *
  * @typedef {{data: Record<string, any>[], layout: Record<string, any>}} Chart
  * @typedef {Record<"x" | "y" | "height" | "other" | "ok" | "line" | "ink" | "ink2" | "surface" | "pad", string>

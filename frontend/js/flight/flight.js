@@ -37,7 +37,6 @@ import * as api from "../server/api.js";
 import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
 import { makeFlightFrames } from "./flightFrames.js";
-import { isOpen } from "./flightLogic.js";
 import * as flightsApi from "../server/flightsApi.js";
 import { hasPicture, withPreview, withRecord, withStages } from "./flightFrameLogic.js";
 import { makeFrameLoader } from "./frameLoader.js";
@@ -260,7 +259,7 @@ function takeFlight(flight) {
 
 function follow() {
   watch?.stop();
-  watch = state.flight && isOpen(state.flight) ? watchFlight(id, takeFlight) : null;
+  watch = state.flight && flightsApi.isOpen(state.flight) ? watchFlight(id, takeFlight) : null;
 }
 
 async function refresh() {

@@ -5,8 +5,7 @@
  */
 
 import { isAbort, listPads, messageOf } from "../server/api.js";
-import { isOpen } from "./flightLogic.js";
-import { getFigures, getFlight, getSummary, getTimeline, listFlights } from "../server/flightsApi.js";
+import { getFigures, getFlight, getSummary, getTimeline, isOpen, listFlights } from "../server/flightsApi.js";
 import { wholeOf } from "./timelineLogic.js";
 
 const BUSY_MS = 1000;

@@ -6,7 +6,7 @@
  * @typedef {import("../server/flightsApi.js").FrameStages} FrameStages
  */
 
-import { isOpen } from "./flightLogic.js";
+import { isOpen } from "../server/flightsApi.js";
 import { clock, number } from "../shared/formatLogic.js";
 
 /** @param {FrameRecord} record @returns {string} */

@@ -1,21 +1,8 @@
 /**
  * The timeline of a flight: which frames stand where, and what a column holds.
  *
- * @typedef {object} Column
- * @property {number} column  from 0
- * @property {number} first_frame
- * @property {number} last_frame
- * @property {number | null} time_s
- * @property {number | null} z_min_mm
- * @property {number | null} z_max_mm
- * @property {number[]} outcomes  frames, as OUTCOMES
- * @property {Record<string, number>} stages  first failing stage: frames
- *
- * @typedef {object} Timeline
- * @property {number} first_frame
- * @property {number} last_frame
- * @property {number} frames_per_column
- * @property {Column[]} columns  those that hold frames
+ * @typedef {import("../server/answers.js").Column} Column
+ * @typedef {import("../server/answers.js").Timeline} Timeline
  *
  * @typedef {object} Part  of a flight
  * @property {number} first  frame number

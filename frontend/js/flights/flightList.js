@@ -4,7 +4,8 @@
  * @typedef {import("../server/flightsApi.js").Flight} Flight
  */
 
-import { isOpen, progressInWords, restInWords, stateInWords } from "../flight/flightLogic.js";
+import { isOpen } from "../server/flightsApi.js";
+import { progressInWords, restInWords, stateInWords } from "../shared/flightStateLogic.js";
 import { moment, number } from "../shared/formatLogic.js";
 import { keyedRows } from "../shared/components/keyedRows.js";
 

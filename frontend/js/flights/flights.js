@@ -11,7 +11,7 @@
  * @property {number} limit  of those that are shown
  * @property {import("../shared/components/status.js").Status} status
  *
- * @typedef {import("../shared/readingChoice.js").Scene & OwnState} State
+ * @typedef {import("../shared/readingChoice.js").ReadingChoice & OwnState} State
  */
 
 import { readAddress, writeAddress } from "../shared/address.js";
@@ -22,11 +22,10 @@ import { mountFlightList } from "./flightList.js";
 import { mountStatus } from "../shared/components/status.js";
 import { mountUploadList } from "./uploadList.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "../shared/readingLogic.js";
-import { isOpen } from "../flight/flightLogic.js";
 import * as flightsApi from "../server/flightsApi.js";
 import { makeIntake } from "../shared/intake.js";
 import { missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
-import { sceneFrom } from "../shared/readingChoice.js";
+import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeUploadQueue } from "./uploadQueue.js";
 import { readyIds, totals } from "./uploadsLogic.js";
 
@@ -38,7 +37,7 @@ const IDLE_MS = 10_000;
 
 /** @type {State} */
 const state = {
-  ...sceneFrom(address),
+  ...readingChoiceFrom(address),
   items: [],
   ordered: false,
   flights: [],
@@ -165,7 +164,7 @@ async function refresh() {
   } catch (error) {
     if (state.total === null) set({ status: { kind: "bad", text: api.messageOf(error) } });
   }
-  const wait = state.flights.some(isOpen) ? BUSY_MS : IDLE_MS;
+  const wait = state.flights.some(flightsApi.isOpen) ? BUSY_MS : IDLE_MS;
   refreshTimer = window.setTimeout(() => (document.hidden ? null : void refresh()), wait);
 }
 

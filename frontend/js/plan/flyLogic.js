@@ -1,17 +1,9 @@
 /**
  * Whole simulated flights: the form's checks, what the server is asked for, and how far one is.
  *
- * @typedef {Record<string, string>} Texts
+ * @typedef {import("../server/answers.js").Simulation} Simulation
  *
- * @typedef {object} Simulation  a job
- * @property {string} id
- * @property {string} name
- * @property {"queued" | "running" | "done" | "failed" | "cancelled"} state
- * @property {number} frames_total
- * @property {number} frames_done
- * @property {string | null} upload
- * @property {string | null} flight  its analysis
- * @property {{code: string, message: string} | null} error
+ * @typedef {Record<string, string>} Texts
  */
 
 import { compact } from "../shared/formatLogic.js";

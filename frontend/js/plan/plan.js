@@ -21,12 +21,12 @@
  * @property {string[]} grounds
  * @property {import("../shared/components/status.js").Status} status
  *
- * @typedef {import("../shared/readingChoice.js").Scene & OwnState} State
+ * @typedef {import("../shared/readingChoice.js").ReadingChoice & OwnState} State
  */
 
 import { readAddress, writeAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
-import { makeAsker } from "../server/latestAnswer.js";
+import { makeLatestAnswer } from "../server/latestAnswer.js";
 import { ofMethod, TILTS_DEG } from "../shared/coverageLogic.js";
 import { makeFlightSimulator } from "./flightSimulator.js";
 import { DEFAULT_FLY, isFlying, parseFly } from "./flyLogic.js";
@@ -35,14 +35,14 @@ import { makeIntake } from "../shared/intake.js";
 import * as planApi from "../server/planApi.js";
 import { DEFAULT_MAP, DEFAULT_WISH, fromQuery, parseMap, parseWish, toQuery } from "./planLogic.js";
 import { makePlanView } from "./planView.js";
-import { sceneFrom } from "../shared/readingChoice.js";
+import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeSimulator } from "./simulator.js";
 
 const address = readAddress();
 
 /** @type {State} */
 const state = {
-  ...sceneFrom(address),
+  ...readingChoiceFrom(address),
   chart: null,
   wish: fromQuery(address, DEFAULT_WISH, ""),
   advice: null,
@@ -90,10 +90,10 @@ const intake = makeIntake({
   onPictures: () => set({ status: { kind: "bad", text: "Pictures are read on the Diagnose page." } }),
   onStatus: (status) => set({ status }),
 });
-const charts = makeAsker((/** @type {State["chart"]} */ chart, fault) => {
+const charts = makeLatestAnswer((/** @type {State["chart"]} */ chart, fault) => {
   set({ chart, ...(fault ? { status: { kind: "bad", text: fault } } : {}) });
 });
-const advisor = makeAsker((/** @type {State["advice"]} */ advice, adviceFault) => {
+const advisor = makeLatestAnswer((/** @type {State["advice"]} */ advice, adviceFault) => {
   set({ advice, adviceFault });
 });
 const frames = makeSimulator();

@@ -7,33 +7,10 @@
  * @typedef {import("../server/planApi.js").SuccessMap} SuccessMap
  */
 
-import { frameInWords, frameName, truthFacts } from "../shared/frameLogic.js";
+import { frameInWords, truthFacts } from "../shared/frameLogic.js";
 import * as planApi from "../server/planApi.js";
+import { simulateFrames } from "../shared/simulatedFrames.js";
 import { withRow } from "./planLogic.js";
-
-/**
- * A simulated picture as a file.
- * @param {import("../server/planApi.js").SimulatedFrame} frame
- * @param {string} name
- * @returns {File}
- */
-export function fileOfFrame({ picture }, name) {
-  const bytes = Uint8Array.from(atob(picture.base64), (letter) => letter.charCodeAt(0));
-  return new File([bytes], name, { type: picture.media_type });
-}
-
-/**
- * @param {FrameWish[]} wishes
- * @param {{pad: string, camera: string}} scene
- * @param {AbortSignal} [signal]
- * @returns {AsyncGenerator<{file: File, truth: planApi.SimulatedFrame["truth"]}>}
- */
-export async function* simulateFrames(wishes, scene, signal) {
-  for (const wish of wishes) {
-    const frame = await planApi.simulateFrame({ ...scene, ...wish }, signal);
-    yield { file: fileOfFrame(frame, frameName(wish)), truth: frame.truth };
-  }
-}
 
 export function makeSimulator() {
   let running = new AbortController();
@@ -50,17 +27,17 @@ export function makeSimulator() {
     },
     /**
      * @param {FrameWish[]} wishes
-     * @param {{pad: string, camera: string}} scene
+     * @param {{pad: string, camera: string}} reading
      * @param {(shots: Shot[], progress: string) => void} onShots
      */
-    async takeFrames(wishes, scene, onShots) {
+    async takeFrames(wishes, reading, onShots) {
       const signal = begin();
       /** @type {Shot[]} */
       let shots = wishes.map((wish) => ({ words: frameInWords(wish), url: null, truth: [] }));
       let done = 0;
       const progress = () => (done < wishes.length ? `Picture ${done + 1} of ${wishes.length} …` : "");
       onShots(shots, progress());
-      for await (const { file, truth } of simulateFrames(wishes, scene, signal)) {
+      for await (const { file, truth } of simulateFrames(wishes, reading, signal)) {
         if (signal.aborted) return;
         const taken = { ...shots[done], url: URL.createObjectURL(file), truth: truthFacts(truth) };
         shots = shots.with(done, taken);

@@ -2,8 +2,8 @@
  * Talks to the server about pads, cameras and pictures; flightsApi.js does so about flights, and
  * tusUpload.js sends files. No other module does.
  *
- * @typedef {import("../design/specLogic.js").PadSpec} PadSpec
- * @typedef {import("../design/padLogic.js").PadFile} PadFile
+ * @typedef {import("./answers.js").PadSpec} PadSpec
+ * @typedef {import("./answers.js").PadFile} PadFile
  *
  * @typedef {object} PadSummary
  * @property {string} id
@@ -121,7 +121,7 @@ export function fieldFaults(error) {
 /**
  * @param {PadSpec} spec
  * @param {AbortSignal} signal
- * @returns {Promise<{pad: PadFile, verification: import("../design/verificationLogic.js").Verification}>}
+ * @returns {Promise<{pad: PadFile, verification: import("./answers.js").Verification}>}
  */
 export const previewPad = (spec, signal) =>
   request("POST", "/pads/preview", { json: spec, signal });
@@ -196,7 +196,7 @@ export async function fetchFile(url) {
 // Detection
 
 /**
- * @typedef {import("../shared/queueLogic.js").DetectAnswer} DetectAnswer
+ * @typedef {import("./answers.js").DetectAnswer} DetectAnswer
  *
  * @param {{image: File, pad: string, camera: string, method: string}} job
  * @param {AbortSignal} signal

@@ -4,8 +4,7 @@
  * @typedef {import("./flightsApi.js").Flight} Flight
  */
 
-import { isOpen } from "../flight/flightLogic.js";
-import { eventsUrl, getFlight } from "./flightsApi.js";
+import { eventsUrl, getFlight, isOpen } from "./flightsApi.js";
 
 const POLL_MS = 2000;
 

@@ -1,8 +1,8 @@
 /**
  * Talks to the server about flights and their frames.
  *
- * @typedef {import("../shared/poseLogic.js").PoseRecord} PoseRecord
- * @typedef {import("../shared/stagesLogic.js").StageAnswer} StageAnswer
+ * @typedef {import("./answers.js").PoseRecord} PoseRecord
+ * @typedef {import("./answers.js").StageAnswer} StageAnswer
  *
  * @typedef {object} FlightRequest
  * @property {string} pad_id
@@ -107,12 +107,12 @@ export const getSummary = (id) => request("GET", path(id, "/summary"));
  * @param {string} id
  * @param {{first_frame?: number, last_frame?: number, columns: number}} part
  * @param {AbortSignal} [signal]
- * @returns {Promise<import("../flight/timelineLogic.js").Timeline>}
+ * @returns {Promise<import("./answers.js").Timeline>}
  */
 export const getTimeline = (id, part, signal) =>
   request("GET", path(id, `/timeline${query(part)}`), { signal });
 
-/** @param {string} id @returns {Promise<import("../flight/figuresLogic.js").Figures>} */
+/** @param {string} id @returns {Promise<import("./answers.js").Figures>} */
 export const getFigures = (id) => request("GET", path(id, "/figures"));
 
 /**
@@ -151,6 +151,9 @@ export async function exportForPx4(id, vehicle) {
   if (!response.ok) throw await refusal(response);
   return response.blob();
 }
+
+/** @param {Flight} flight @returns {boolean} true while it may still change */
+export const isOpen = ({ state }) => state === "queued" || state === "running";
 
 /** @param {string} id */
 export const eventsUrl = (id) => `/api/v1${path(id, "/events")}`;

@@ -9,7 +9,7 @@ const DELAY_MS = 150;
  * @template T
  * @param {(answer: T | null, fault: string) => void} onAnswer
  */
-export function makeAsker(onAnswer) {
+export function makeLatestAnswer(onAnswer) {
   let asked = "";
   let timer = 0;
   /** @type {AbortController | null} */

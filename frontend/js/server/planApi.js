@@ -1,9 +1,9 @@
 /**
  * Talks to the server about what comes before a flight: bounds, proofs, sheets, coverage, frames.
  *
- * @typedef {import("../design/printLogic.js").PadShape} PadShape
- * @typedef {import("../design/printLogic.js").SheetPlan} SheetPlan
- * @typedef {import("../shared/coverageLogic.js").CoverageChart} CoverageChart
+ * @typedef {import("./answers.js").PadShape} PadShape
+ * @typedef {import("./answers.js").SheetPlan} SheetPlan
+ * @typedef {import("./answers.js").CoverageChart} CoverageChart
  *
  * @typedef {object} PadBounds  counts as powers of ten
  * @property {number} windows_needed
@@ -51,7 +51,7 @@ import { request } from "./api.js";
 const padPath = (/** @type {string} */ id) => `/pads/${encodeURIComponent(id)}`;
 
 /**
- * @param {import("../design/specLogic.js").PadSpec} spec
+ * @param {import("./answers.js").PadSpec} spec
  * @param {AbortSignal} signal
  * @returns {Promise<PadBounds>}
  */
@@ -60,7 +60,7 @@ export const padBounds = (spec, signal) => request("POST", "/pads/bounds", { jso
 /**
  * @param {string} id
  * @param {AbortSignal} signal
- * @returns {Promise<{verification: import("../design/verificationLogic.js").Verification}>}
+ * @returns {Promise<{verification: import("./answers.js").Verification}>}
  */
 export const verifyPad = (id, signal) => request("GET", `${padPath(id)}/verification`, { signal });
 
@@ -138,12 +138,12 @@ export const getAdvice = (wish, signal) =>
 export const simulateFrame = (spec, signal) =>
   request("POST", "/simulate", { json: spec, signal });
 
-/** @param {Record<string, unknown>} spec @returns {Promise<import("../plan/flyLogic.js").Simulation>} */
+/** @param {Record<string, unknown>} spec @returns {Promise<import("./answers.js").Simulation>} */
 export const simulateFlight = (spec) => request("POST", "/simulations", { json: spec });
 
 const simulationPath = (/** @type {string} */ id) => `/simulations/${encodeURIComponent(id)}`;
 
-/** @param {string} id @returns {Promise<import("../plan/flyLogic.js").Simulation>} */
+/** @param {string} id @returns {Promise<import("./answers.js").Simulation>} */
 export const getSimulation = (id) => request("GET", simulationPath(id));
 
 /** @param {string} id @returns {Promise<null>} */

@@ -1,28 +1,11 @@
 /**
  * Where a pad reads: charts of height against tilt, in figures that a picture only has to draw.
  *
- * @typedef {"dense" | "paper"} Method
- *
- * @typedef {object} Span  heights at which a layer reads at one tilt; null where at none
- * @property {string} layer  a channel, or "outline": the sign as a whole
- * @property {number} tilt_deg
- * @property {number | null} low_mm
- * @property {number | null} high_mm
- *
- * @typedef {object} DeadBand
- * @property {number} tilt_deg
- * @property {number} low_mm
- * @property {number} high_mm
- * @property {string} message
- *
- * @typedef {object} MethodCoverage
- * @property {Method} method
- * @property {number} cell_px
- * @property {number | null} sign_cell_px
- * @property {Span[]} spans
- * @property {DeadBand[]} dead_bands
- *
- * @typedef {{camera: string, methods: MethodCoverage[]}} CoverageChart
+ * @typedef {import("../server/answers.js").Method} Method
+ * @typedef {import("../server/answers.js").Span} Span
+ * @typedef {import("../server/answers.js").DeadBand} DeadBand
+ * @typedef {import("../server/answers.js").MethodCoverage} MethodCoverage
+ * @typedef {import("../server/answers.js").CoverageChart} CoverageChart
  *
  * @typedef {object} Frame  of a chart, in its own units
  * @property {number} width

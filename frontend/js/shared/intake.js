@@ -17,7 +17,7 @@ import * as api from "../server/api.js";
 import { namesInSample } from "./readingLogic.js";
 import { framesFromQuery, parseFrames } from "./frameLogic.js";
 import { kindOfFile } from "./queueLogic.js";
-import { simulateFrames } from "../plan/simulator.js";
+import { simulateFrames } from "./simulatedFrames.js";
 
 const HEAD_BYTES = 400;
 
@@ -79,7 +79,7 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
     /**
      * Pictures that the Plan page asks for in the address.
      * @param {string} query
-     * @param {{pad: string, camera: string}} scene
+     * @param {{pad: string, camera: string}} reading
      */
     takeSimulated: (query, { pad, camera }) =>
       report("Simulating …", "", async () => {

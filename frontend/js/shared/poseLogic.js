@@ -1,25 +1,7 @@
 /**
  * A pose in words and figures, from a record of a poses file.
  *
- * @typedef {object} PoseRecord
- * @property {"ok" | "failed"} status
- * @property {[number, number, number]} [position_mm]
- * @property {number[][]} [rotation]
- * @property {[number, number, number, number]} [quaternion_xyzw]
- * @property {number} [heading_deg]
- * @property {number} [tilt_deg]
- * @property {string} [layer]
- * @property {number} [cells_read]
- * @property {number} [cells_wrong]
- * @property {number} [log10_false_alarm]
- * @property {number} [reprojection_px]
- * @property {[number, number, number] | null} [position_sigma_mm]
- * @property {[number, number, number] | null} [attitude_sigma_deg]
- * @property {string} [stage]
- * @property {string} [reason]
- * @property {string} [detail]
- * @property {string} [advice]
- * @property {Record<string, number>} elapsed_ms
+ * @typedef {import("../server/answers.js").PoseRecord} PoseRecord
  */
 
 import { duration, length, number, powerOfTen } from "./formatLogic.js";

@@ -3,12 +3,7 @@
  *
  * @typedef {import("./poseLogic.js").PoseRecord} PoseRecord
  * @typedef {import("./stagesLogic.js").StageAnswer} StageAnswer
- *
- * @typedef {object} DetectAnswer
- * @property {PoseRecord & {source: string}} result
- * @property {{width: number, height: number}} image
- * @property {number} camera_scale
- * @property {{id: string, result_picture: string | null, stages: StageAnswer[]} | null} trace
+ * @typedef {import("../server/answers.js").DetectAnswer} DetectAnswer
  *
  * @typedef {object} Frame
  * @property {string} id

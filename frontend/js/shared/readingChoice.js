@@ -1,7 +1,7 @@
 /**
  * What every page that reads pictures lets its user choose: a pad, a camera, a method.
  *
- * @typedef {object} Scene
+ * @typedef {object} ReadingChoice
  * @property {import("../server/api.js").PadSummary[]} pads  to choose from
  * @property {import("../server/api.js").CameraSummary[]} stored  cameras to choose from
  * @property {import("../server/api.js").CameraSummary[]} presets
@@ -13,9 +13,9 @@
 /**
  * The choices that an address holds, before the lists are there.
  * @param {URLSearchParams} address
- * @returns {Scene}
+ * @returns {ReadingChoice}
  */
-export const sceneFrom = (address) => ({
+export const readingChoiceFrom = (address) => ({
   pads: [],
   stored: [],
   presets: [],

@@ -1,21 +1,9 @@
 /**
  * The stages of a trace, arranged for the page.
  *
- * @typedef {"red" | "green" | "blue"} Channel
- *
- * @typedef {object} Failure
- * @property {string} stage
- * @property {string} reason
- * @property {string} detail
- * @property {string} [advice]
- *
- * @typedef {object} StageAnswer
- * @property {string} name
- * @property {Channel | null} channel
- * @property {number} elapsed_ms
- * @property {Failure | null} failure
- * @property {string | null} picture
- * @property {string | null} thumbnail
+ * @typedef {import("../server/answers.js").Channel} Channel
+ * @typedef {import("../server/answers.js").Failure} Failure
+ * @typedef {import("../server/answers.js").StageAnswer} StageAnswer
  *
  * @typedef {object} StageCard
  * @property {string} name

@@ -1,7 +1,8 @@
 import {
-  differenceInWords, flightNotes, gapInWords, isOpen, isRetryable, progressInWords, rangeInWords, reasonsOf, restInWords,
-  summaryFacts,
+  differenceInWords, flightNotes, gapInWords, isRetryable, rangeInWords, reasonsOf, summaryFacts,
 } from "/static/js/flight/flightLogic.js";
+import { isOpen } from "/static/js/server/flightsApi.js";
+import { progressInWords, restInWords } from "/static/js/shared/flightStateLogic.js";
 import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flight/flightFrameLogic.js";
 import { bytes, clock, percent } from "/static/js/shared/formatLogic.js";
 import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/shared/orderLogic.js";

@@ -4,7 +4,9 @@
  * @typedef {import("../../server/flightsApi.js").Flight} Flight
  */
 
-import { flightNotes, isOpen, isRetryable, progressInWords, restInWords, stateInWords } from "../flightLogic.js";
+import { flightNotes, isRetryable } from "../flightLogic.js";
+import { isOpen } from "../../server/flightsApi.js";
+import { progressInWords, restInWords, stateInWords } from "../../shared/flightStateLogic.js";
 
 /**
  * @param {HTMLElement} root

@@ -4,7 +4,8 @@
  * @typedef {import("../../server/flightsApi.js").Flight} Flight
  */
 
-import { differenceInWords, progressInWords } from "../flightLogic.js";
+import { differenceInWords } from "../flightLogic.js";
+import { progressInWords } from "../../shared/flightStateLogic.js";
 import { keyedRows } from "../../shared/components/keyedRows.js";
 
 /**
