@@ -5,13 +5,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from alembic.autogenerate import compare_metadata
-from alembic.migration import MigrationContext
 from sqlalchemy.exc import SQLAlchemyError
 
 from padstudio.errors import ConflictError, NotFoundError, StorageError
-from padstudio.store.database.engine import NEWEST_REVISION, open_database
-from padstudio.store.database.tables import Base
 from padstudio.store.store import Store, new_id
 
 NewDatabase = Callable[[], str | None]
@@ -118,17 +114,6 @@ def test_pictures_are_found_by_name_only(store: Store) -> None:
     for name in ("../../padstudio.db", "/etc/hostname", "", ".", "Result.png"):
         with pytest.raises(NotFoundError):
             store.traces.picture(trace_id, name)
-
-
-def test_migrations_build_what_the_program_expects(
-    tmp_path: Path, new_database: NewDatabase
-) -> None:
-    engine = open_database(new_database() or f"sqlite:///{tmp_path / 'a.db'}")
-    with engine.connect() as connection:
-        context = MigrationContext.configure(connection)
-        assert compare_metadata(context, Base.metadata) == []
-        assert context.get_current_revision() == NEWEST_REVISION
-    engine.dispose()
 
 
 def test_a_database_of_a_later_version_is_left_alone(tmp_path: Path) -> None:

@@ -4,28 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from alembic import command
-from alembic.config import Config
 from hypothesis import given
 from hypothesis import strategies as st
-from sqlalchemy import create_engine, insert, select
 
 from padstudio.flights.results.bins import BIN_FRAMES, bins_of, counted, pose_gaps
-from padstudio.store import migrations
-from padstudio.store.database.engine import open_database
-from padstudio.store.database.flight_tables import (
-    FlightRow,
-    FrameBinRow,
-    FrameDetailRow,
-    FrameRow,
-)
 
 
 def frame(number: int, *, ok: bool) -> dict[str, Any]:
@@ -73,34 +60,6 @@ def test_bins_add_up_to_their_frames(
     width = BIN_FRAMES * stride
     for row in bins:
         assert (row.first_frame - first) // width == (row.last_frame - first) // width
-
-
-def test_flights_of_an_older_database_get_their_bins(tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path / 'studio.db'}"
-    open_database(url).dispose()
-    config = Config()
-    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
-    engine = create_engine(url)
-    rows = [frame(n, ok=n % 3 > 0) for n in range(250)]
-    with engine.begin() as connection:
-        config.attributes["connection"] = connection
-        command.downgrade(config, "0003")
-        flight = {
-            "key": 1, "id": "old", "created_at": datetime.now(UTC), "name": "old", "state": "done",
-            "request": {"stride": 1}, "sources": [], "pad": "", "camera": "",
-        }  # fmt: skip
-        connection.execute(insert(FlightRow), [flight])
-        connection.execute(insert(FrameRow), rows)
-        details = [
-            {"flight": 1, "number": n, "chunk": 1, "body": {"damaged": True} if n == 70 else {}}
-            for n in range(len(rows))
-        ]
-        connection.execute(insert(FrameDetailRow), details)
-        command.upgrade(config, "head")
-        found = connection.execute(select(*FrameBinRow.__table__.c)).mappings().all()
-    engine.dispose()
-    assert [dict(row) for row in found] == list(bins_of(rows, {"stride": 1}, {70}))
-    assert [row["frames"] for row in found] == [100, 100, 50]
 
 
 def test_a_bin_without_poses_has_no_heights() -> None:

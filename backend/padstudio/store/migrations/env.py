@@ -1,15 +1,8 @@
-"""Alembic's entry: runs the revisions on the connection that `store_database` opened."""
+"""Alembic's entry: runs the revisions on the connection that `open_database` opened."""
 
 from alembic import context
 
-from padstudio.store.database.flight_tables import FlightRow
-
-context.configure(
-    connection=context.config.attributes["connection"],
-    # That of all tables: this module knows the others.
-    target_metadata=FlightRow.metadata,
-    # SQLite cannot alter a column in place.
-    render_as_batch=True,
-)
+# SQLite cannot alter a column in place.
+context.configure(connection=context.config.attributes["connection"], render_as_batch=True)
 with context.begin_transaction():
     context.run_migrations()
