@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from padstudio.errors import SpecError
-from padstudio.flights.cluster.stopping import TaskStoppedError
+from padstudio.flights.cluster.task import TaskStoppedError
 
 
 @dataclass(frozen=True)

@@ -72,8 +72,8 @@ def export(
     import numpy as np
 
     from padstudio.flights.exports import forms
-    from padstudio.flights.exports.file_pictures import FilePictures
     from padstudio.flights.exports.options import ExportOptions
+    from padstudio.flights.exports.sources import FilePictures
     from padstudio.flights.exports.vehicle import Mount
     from padstudio.flights.results.poses_file import read_poses
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from padstudio.errors import ImageError, LimitError
 from padstudio.media.content import ContentError
+from padstudio.media.remote import local_path
 from padstudio.media.sources import SUFFIXES, by_number
 
 _UNREADABLE = (
@@ -176,3 +177,23 @@ def _is_still(entry: zipfile.ZipInfo) -> bool:
     hidden = path.name.startswith(".") or "__MACOSX" in path.parts
     link = stat.S_ISLNK(entry.external_attr >> 16)
     return path.suffix.lower() in SUFFIXES and not (entry.is_dir() or hidden or link)
+
+
+def list_members(url: str) -> list[str]:
+    """As `list_stills`, of a zip that lies wherever fsspec reaches."""
+    return list_stills(_at_hand(url))
+
+
+def read_member(url: str, name: str) -> bytes:
+    """As `read_still`, of a zip that lies wherever fsspec reaches."""
+    return read_still(_at_hand(url), name)
+
+
+def _at_hand(url: str) -> Path:
+    path = local_path(url)
+    if path is not None:
+        return path
+    import fsspec
+
+    # One copy a machine, kept while the process lives: stills are read one by one.
+    return Path(fsspec.open_local(f"simplecache::{url}"))

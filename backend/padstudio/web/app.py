@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 from fastapi.concurrency import run_in_threadpool
 from fastapi.staticfiles import StaticFiles
 from starlette.responses import Response
@@ -25,19 +25,17 @@ from padstudio.web.api import (
     exports,
     flight_figures,
     flight_pictures,
-    flight_previews,
     flights,
-    health,
     pads,
     printing,
     samples,
-    simulate,
     simulations,
     uploads,
 )
 from padstudio.web.http import errors
 from padstudio.web.http.security import Guard
 from padstudio.web.pages import pages
+from padstudio.web.schemas.base import Health
 from padstudio.web.server.flight_desk import open_desk
 from padstudio.web.server.services import Analyze, Services
 from padstudio.web.server.settings import Settings, load_settings
@@ -49,6 +47,18 @@ _DESCRIPTION = (
     "Design pads, and find them in pictures. Every error has one shape, `ErrorBody`. A server "
     "that asks for a token takes it as `Authorization: Bearer <token>` or `?token=<token>`."
 )
+
+#: In the order of the API's description.
+_RESOURCES = (
+    *(pads, cameras, detect, samples, uploads, printing, coverage),
+    *(flights, flight_figures, flight_pictures, exports, simulations),
+)
+_health = APIRouter(tags=["server"])
+
+
+@_health.get("/health", operation_id="getHealth", summary="Whether the server is up")
+def get_health() -> Health:
+    return Health(version=__version__)
 
 
 class RevalidatedFiles(StaticFiles):
@@ -98,11 +108,8 @@ def create_app(
     app.state.settings = settings
     errors.install(app)
     app.add_middleware(Guard, settings=settings)
-    for resource in (health, pads, cameras, detect, samples, uploads, printing, coverage):
-        app.include_router(resource.router, prefix=API)
-    for resource in (flights, flight_figures, flight_pictures, flight_previews, exports):
-        app.include_router(resource.router, prefix=API)
-    for resource in (simulate, simulations):
+    app.include_router(_health, prefix=API)
+    for resource in _RESOURCES:
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
     app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")

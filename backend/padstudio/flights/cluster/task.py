@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from padstudio.errors import StudioError
-from padstudio.flights.cluster.stopping import TaskStoppedError
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -21,6 +20,10 @@ logger = logging.getLogger(__name__)
 
 # How often a task asks whether it is to stop; the question goes to the scheduler and back.
 _ASK_EVERY_S = 0.25
+
+
+class TaskStoppedError(Exception):
+    """The task was told to stop; what it had done is dropped."""
 
 
 class Task(Protocol):

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 from padstudio.errors import NotFoundError
 from padstudio.flights.exports.colmap import write_colmap
-from padstudio.flights.exports.jsonl import write_jsonl
 from padstudio.flights.exports.mavlink import write_ardupilot, write_px4
 from padstudio.flights.exports.mcap_log import write_mcap
 from padstudio.flights.exports.options import ExportOptions, Record, in_blocks
-from padstudio.flights.exports.text_tables import write_csv
-from padstudio.flights.exports.tum import write_tum
+from padstudio.flights.exports.text_tables import write_csv, write_jsonl, write_tum
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
-"""What an export needs of a stored flight: its camera in the frames' size, and its pictures."""
+"""What an export needs beside records: the camera in the frames' size, and the pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -14,7 +15,9 @@ from padstudio.flights.results.frames import Results
 from padstudio.flights.tasks.frames import StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import still_part, video_part
 from padstudio.geometry.camera import Camera
+from padstudio.media import images
 from padstudio.media.video_frames import read_frames
+from padstudio.media.video_index import read_index
 from padstudio.store.database.flight_tables import FlightRow
 
 #: Calls a function in a worker process and waits for it.
@@ -117,3 +120,36 @@ def jpegs(part: StillPart | VideoPart, max_pixels: int) -> list[bytes | None]:
 def to_jpeg(bgr: Image) -> bytes:
     """A picture as a JPEG file."""
     return bytes(cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])[1])
+
+
+class FilePictures:
+    """Frames as JPEG files, for records of a poses file in its order.
+
+    Parameters
+    ----------
+    folder : Path
+        To which sources are relative.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._video: tuple[str, Iterator[tuple[int, bytes | None]]] | None = None
+
+    def __call__(self, record: Record) -> bytes | None:
+        source, frame = record["source"], record["frame"]
+        try:
+            if record.get("time_s") is None:
+                return to_jpeg(images.read(self._folder / source))
+            if self._video is None or self._video[0] != source:
+                self._video = source, _frames(self._folder / source)
+            # Videos are decoded once, forward; frames that were left out are passed over.
+            found = (data for number, data in self._video[1] if number >= frame)
+            return next(found, None)
+        except StudioError:
+            return None
+
+
+def _frames(path: Path) -> Iterator[tuple[int, bytes | None]]:
+    index = read_index(str(path))
+    for number, picture in enumerate(read_frames(str(path), index.pts.tolist())):
+        yield number, None if picture.bgr is None else to_jpeg(picture.bgr)

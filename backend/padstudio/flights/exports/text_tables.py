@@ -1,12 +1,13 @@
-"""CSV: one row a frame, poses and failures alike, for spreadsheets and pandas."""
+"""Forms of text: CSV for spreadsheets and pandas, JSON lines, TUM trajectories for `evo`."""
 
 from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Iterable, Iterator
 
-from padstudio.flights.exports.options import ExportOptions, Record
+from padstudio.flights.exports.options import ExportOptions, Record, timed
 
 #: The header says the convention: the camera in the pad frame, millimetres, degrees.
 COLUMNS = (
@@ -89,3 +90,37 @@ def _numbers(record: Record, key: str, count: int) -> list[float | None]:
 
 def _text(value: object) -> object:
     return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
+
+
+def write_jsonl(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
+    """The poses file itself: one object a line, UTF-8; numbers read back as the same doubles.
+
+    docs/conventions.md, "Poses file", names its fields.
+    """
+    for record in records:
+        yield json.dumps(record, ensure_ascii=False).encode() + b"\n"
+
+
+_TUM_HEADER = """\
+# timestamp tx ty tz qx qy qz qw
+# position of the camera in the pad frame, metres: X right and Y up the page, Z toward the camera
+# quaternion: takes camera vectors (x right, y down, z forward) to pad vectors, scalar last
+# timestamp: seconds{since}; frames without a pose are left out
+"""
+
+
+def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
+    """``timestamp tx ty tz qx qy qz qw``, a line a pose.
+
+    References
+    ----------
+    https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
+    """
+    since = " of Unix time" if options.start_unix_s else ""
+    yield _TUM_HEADER.format(since=since).encode()
+    for record, time_s in timed(records):
+        if record["status"] == "ok":
+            position = (f"{value / 1000:.9f}" for value in record["position_mm"])
+            quaternion = (f"{value:.12f}" for value in record["quaternion_xyzw"])
+            stamp = f"{options.start_unix_s + time_s:.6f}"
+            yield " ".join([stamp, *position, *quaternion]).encode() + b"\n"

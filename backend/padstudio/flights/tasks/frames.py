@@ -17,7 +17,7 @@ import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
 from padstudio.errors import ImageError, StudioError
-from padstudio.flights.cluster.stopping import TaskStoppedError
+from padstudio.flights.cluster.task import TaskStoppedError
 from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.media import images
 from padstudio.media.remote import read_bytes
@@ -170,7 +170,7 @@ def read_still(part: StillPart, max_pixels: int) -> Image:
         if len(data) > images.MAX_BYTES:
             raise ImageError(f"{part.name} is larger than {images.MAX_BYTES // 1_000_000} MB")
     else:
-        from padstudio.media.zip_source import read_member
+        from padstudio.media.zip_stills import read_member
 
         data = read_member(part.url, part.member)
     return images.decode(data, max_pixels)

@@ -13,7 +13,7 @@ from padstudio.errors import CameraMismatchError, SpecError, StudioError
 from padstudio.geometry.camera import Camera
 from padstudio.media import telemetry
 from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
-from padstudio.media.zip_source import list_members
+from padstudio.media.zip_stills import list_members
 
 # A chunk's first frame is looked for in the whole picture, which costs as much as several others.
 _LEAST_FRAMES = 30

@@ -20,6 +20,9 @@ from padstudio.store.uploads.files import Append, Checksum, UploadFiles
 from padstudio.store.uploads.limits import UploadLimits
 from padstudio.store.uploads.rows import Upload, UploadRows, missing
 
+# Read at a time of a file that is copied in.
+_BLOCK_BYTES = 1 << 20
+
 
 class Uploads:
     """All uploads of a server.
@@ -217,3 +220,34 @@ class Uploads:
     def _is_over(self, upload: Upload) -> bool:
         over = upload.expires_at is not None and upload.expires_at <= datetime.now(UTC)
         return over and upload.id not in self._appending
+
+
+def upload_file(uploads: Uploads, path: Path, name: str) -> Upload:
+    """Copy a file into the uploads, as if it had been sent; a failed one leaves nothing.
+
+    Parameters
+    ----------
+    uploads : Uploads
+    path : Path
+    name : str
+        Shown to people.
+
+    Raises
+    ------
+    ContentError, LimitError, StorageError, BusyError
+        As `Uploads.create` and `Uploads.finish`.
+    """
+    upload = uploads.create(name, path.stat().st_size)
+    try:
+        append = uploads.append(upload.id, 0)
+        try:
+            with path.open("rb") as file:
+                while block := file.read(_BLOCK_BYTES):
+                    append.write(block)
+            append.commit()
+        finally:
+            append.close()
+    except BaseException:
+        uploads.delete(upload.id)
+        raise
+    return uploads.finish(upload.id)

@@ -1,4 +1,4 @@
-"""Pictures of the frames of flights and of their stages, made when asked for."""
+"""Pictures of the frames of flights, of their stages and of their poses, made when asked for."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from fastapi.responses import FileResponse, Response
 from padstudio import __version__
 from padstudio.errors import NotFoundError
 from padstudio.flights.pictures import stages as pictures
-from padstudio.flights.pictures.stages import Kind
+from padstudio.flights.pictures.previews import preview
+from padstudio.flights.pictures.stages import Kind, PictureJob
+from padstudio.flights.results.rows import Record
 from padstudio.store.database.data_folder import remove
 from padstudio.web.api.flights import FrameNumber
 from padstudio.web.schemas.base import StageInfo
@@ -29,18 +31,14 @@ Width = Annotated[
     int | None, Query(ge=1, le=100_000, description="At least so wide is enough; for thumbnails.")
 ]
 _MEDIA_TYPES = {"webp": "image/webp", "png": "image/png"}
-_PICTURE: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The picture.",
-        "content": {
-            media: {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(the bytes of the picture)",
-            }
-            for media in _MEDIA_TYPES.values()
-        },
-    },
-}
+_KEPT = {"Cache-Control": "private, max-age=3600"}
+
+
+def _picture(example: str, *media_types: str) -> dict[int | str, dict[str, Any]]:
+    """The answer of a route that gives a picture, for the API's description."""
+    schema = {"type": "string", "format": "binary"}
+    content = {media: {"schema": schema, "example": example} for media in media_types}
+    return {200: {"description": "The picture.", "content": content}}
 
 
 @router.get(
@@ -67,7 +65,7 @@ async def get_frame_stages(flight_id: ItemId, number: FrameNumber, shared: Share
     operation_id="getFramePicture",
     summary="The picture of a frame's stage",
     response_class=FileResponse,
-    responses=_PICTURE,
+    responses=_picture("(the bytes of the picture)", *_MEDIA_TYPES.values()),
 )
 async def get_frame_picture(
     flight_id: ItemId,
@@ -93,7 +91,7 @@ async def get_frame_picture(
     # What is painted follows from these alone.
     identity = f"{__version__} {flight_id} {number} {name}"
     etag = f'"{hashlib.sha256(identity.encode()).hexdigest()[:32]}"'
-    headers = {"ETag": etag, "Cache-Control": "private, max-age=3600"}
+    headers = {"ETag": etag, **_KEPT}
     if etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
     await _painted(shared, flight_id, number, kind)
@@ -153,3 +151,27 @@ def _stage(base: str, stage: dict[str, Any]) -> StageInfo:
         picture=f"{address}?{whole}" if whole else address,
         thumbnail=f"{address}?{small}",
     )
+
+
+@router.get(
+    "/{flight_id}/frames/{number}/preview.jpg",
+    operation_id="getFramePreview",
+    summary="A frame with the pad where its pose says that it lies",
+    response_class=Response,
+    responses=_picture("(the bytes of a JPEG file)", "image/jpeg"),
+)
+async def get_frame_preview(
+    flight_id: ItemId,
+    number: FrameNumber,
+    shared: Shared,
+    width: Annotated[int, Query(ge=16, le=4096, description="Most pixels.")] = 1280,
+) -> Response:
+    job, record = await run_in_threadpool(_preview_job, shared, flight_id, number)
+    data = await shared.run(preview, job, record, width, timeout_s=shared.settings.detect_seconds)
+    return Response(data, media_type="image/jpeg", headers=_KEPT)
+
+
+def _preview_job(shared: Services, flight_id: str, number: int) -> tuple[PictureJob, Record]:
+    flight = shared.flights.flights.get(flight_id)
+    record = shared.flights.results.frame(flight, number)
+    return shared.flights.picture_job(flight_id, number, "webp", Path()), record

@@ -1,4 +1,4 @@
-"""Simulated flights: rendered, kept as uploads, and sent straight into an analysis."""
+"""Simulated frames, at once; simulated flights, as jobs: kept as uploads, and analysed."""
 
 from __future__ import annotations
 
@@ -10,18 +10,21 @@ from fastapi.responses import FileResponse
 
 from padstudio.errors import ConflictError, LimitError, SpecError
 from padstudio.geometry.camera import Camera
+from padstudio.simulate.looks import LOOKS
+from padstudio.simulate.radiance.scene import GROUND_KINDS
 from padstudio.simulate.trajectories import VIDEO_KINDS
 from padstudio.store.database.data_folder import remove
-from padstudio.store.uploads.local import upload_file
+from padstudio.store.uploads.uploads import upload_file
 from padstudio.web.api.cameras import camera_text
 from padstudio.web.api.flights import order_flight
 from padstudio.web.schemas.flights import NewFlight
+from padstudio.web.schemas.planning import FrameSpec, LookInfo, LookList, SimulatedFrame
 from padstudio.web.schemas.simulations import Simulation, SimulationSpec
 from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, attachment
 from padstudio.web.server.simulation_desk import SimulationJob
-from padstudio.workers import simulated_flights
+from padstudio.workers import frames, simulated_flights
 
-router = APIRouter(prefix="/simulations", tags=["simulate"], responses=ERRORS)
+router = APIRouter(tags=["simulate"], responses=ERRORS)
 
 _ZIP: dict[int | str, dict[str, Any]] = {
     200: {
@@ -37,7 +40,33 @@ _ZIP: dict[int | str, dict[str, Any]] = {
 
 
 @router.post(
-    "", operation_id="simulateFlight", summary="Simulate a flight over a pad", status_code=202
+    "/simulate", operation_id="simulateFrame", summary="A picture of a pad, with its truth"
+)
+async def simulate_frame(spec: FrameSpec, shared: Shared) -> SimulatedFrame:
+    settings, store = shared.settings, shared.store
+    pad = None
+    if spec.pad is not None:
+        pad = (await run_in_threadpool(store.pads.get, spec.pad)).content
+    camera = await run_in_threadpool(camera_text, store, spec.camera)
+    found = await shared.run(
+        frames.simulate_frame,
+        *(spec.model_dump(), pad, camera, settings.max_simulated_pixels),
+        timeout_s=settings.simulate_seconds,
+    )
+    return SimulatedFrame(**found)
+
+
+@router.get("/simulate/looks", operation_id="listLooks", summary="Conditions to simulate under")
+def list_looks() -> LookList:
+    items = [LookInfo(name=name, note=look.note) for name, look in LOOKS.items()]
+    return LookList(items=items, grounds=list(GROUND_KINDS))
+
+
+@router.post(
+    "/simulations",
+    operation_id="simulateFlight",
+    summary="Simulate a flight over a pad",
+    status_code=202,
 )
 async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Response) -> Simulation:
     settings, store = shared.settings, shared.store
@@ -66,13 +95,15 @@ async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Respon
     return Simulation.model_validate(job)
 
 
-@router.get("/{simulation_id}", operation_id="getSimulation", summary="How far a flight is")
+@router.get(
+    "/simulations/{simulation_id}", operation_id="getSimulation", summary="How far a flight is"
+)
 async def get_simulation(simulation_id: ItemId, shared: Shared) -> Simulation:
     return Simulation.model_validate(shared.simulations.get(simulation_id))
 
 
 @router.get(
-    "/{simulation_id}/files/flight.zip",
+    "/simulations/{simulation_id}/files/flight.zip",
     operation_id="getSimulationFile",
     summary="Pictures or video with truth, pad and camera",
     response_class=FileResponse,
@@ -92,7 +123,7 @@ async def get_simulation_file(simulation_id: ItemId, shared: Shared) -> FileResp
 
 
 @router.delete(
-    "/{simulation_id}",
+    "/simulations/{simulation_id}",
     operation_id="deleteSimulation",
     summary="Stop a flight that is not done; else forget its archive",
     status_code=204,
