@@ -18,7 +18,7 @@ from dense_frames import (
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.cells.visible import to_lattice, to_pad, visible_range
-from padstudio.vision.dense.choose import Choice, choose
+from padstudio.vision.dense.answer import Choice, choose
 from padstudio.vision.dense.whole_pad import WholeSign, find_whole_sign
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import find_regions

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 from padstudio.pad.coverage.spans import METHOD_LIMITS
 from padstudio.pad.spec import Channel
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.frame.block_mean import block_mean, clean
 from padstudio.vision.frame.prepare import take_channel
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.pose.results import LayerRead
 from padstudio.vision.search.search import Miss, Search, find, place
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 

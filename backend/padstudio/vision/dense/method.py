@@ -16,9 +16,9 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.cells.correlation import LayerIndex
 from padstudio.vision.cells.evidence import Evidence
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.visible import to_pad
-from padstudio.vision.dense.answer import of_measurement, of_whole_sign, unfit
-from padstudio.vision.dense.choose import choose
+from padstudio.vision.dense.answer import choose, of_measurement, of_whole_sign, unfit
 from padstudio.vision.dense.explain import explain
 from padstudio.vision.dense.tracker import Expectation
 from padstudio.vision.dense.whole_pad import (
@@ -32,7 +32,7 @@ from padstudio.vision.frame.prepare import find_stretch, prepare
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region, find_regions
 from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import LayerRead, Measurement, Rung
+from padstudio.vision.pose.results import Measurement, Rung
 from padstudio.vision.search.search import Miss, Search, Sighting, sightings
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.params import DetectorParams

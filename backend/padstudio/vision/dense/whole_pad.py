@@ -16,12 +16,12 @@ from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.frame.regions import Region, sharper
 from padstudio.vision.outline.quadrilateral import Outline, find_outline
 from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import LayerRead
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # With the sign's own outline there are four places to choose from instead of thousands, so cells

@@ -20,6 +20,7 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.evidence import judge
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.sampling import read_cells
 from padstudio.vision.cells.visible import to_pad
 from padstudio.vision.frame.pyramid import Pyramid
@@ -30,7 +31,6 @@ from padstudio.vision.outline.corner_pose import (
     corner_sigma_px,
 )
 from padstudio.vision.outline.sides import Side, fit_side
-from padstudio.vision.pose.results import LayerRead
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # A sign seen at this few pixels a side has no readable cells.

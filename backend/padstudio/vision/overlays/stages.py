@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from padstudio.arrays import Image
 from padstudio.pad.spec import Channel
 from padstudio.vision.cells.correlation import Placement
-from padstudio.vision.dense.choose import Choice
+from padstudio.vision.cells.layer_read import LayerRead
+from padstudio.vision.dense.answer import Choice
 from padstudio.vision.dense.whole_pad import WholeSign
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.prepare import Denoise, Stretch, Unmixed, denoised
 from padstudio.vision.frame.pyramid import BGR_INDEX, Plane
 from padstudio.vision.overlays import baseline
 from padstudio.vision.overlays import canvas as drawing
-from padstudio.vision.pose.results import LayerRead, Measurement
+from padstudio.vision.pose.results import Measurement
 from padstudio.vision.search.edges import EdgeSet
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies

@@ -17,6 +17,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.evidence import judge
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.sampling import read_cells
 from padstudio.vision.cells.visible import to_pad, visible_range
 from padstudio.vision.frame.pyramid import Pyramid
@@ -29,7 +30,7 @@ from padstudio.vision.pose.edge_points import (
 )
 from padstudio.vision.pose.image_alignment import FOLLOWED_PIXELS, MOST_PIXELS, Match
 from padstudio.vision.pose.least_squares import Fit, better_of, fit_pose
-from padstudio.vision.pose.results import LayerRead, Measurement, Rung
+from padstudio.vision.pose.results import Measurement, Rung
 from padstudio.vision.stage.params import DetectorParams
 
 # Profiles reach this far, and are taken where a cell is about this wide, pixels of the window.

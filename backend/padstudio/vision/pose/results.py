@@ -4,39 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer
-from padstudio.vision.cells.evidence import Evidence
-from padstudio.vision.cells.sampling import CellGrid
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.pose.edge_points import Borders, Measured
 from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
-
-
-@dataclass(frozen=True, eq=False)
-class LayerRead:
-    """A layer's cells read with a known pose.
-
-    Attributes
-    ----------
-    layer : Layer
-    cells : CellGrid
-    expected : (R, C) int8
-        Levels that the pad has there.
-    evidence : Evidence
-    area_mm2 : float
-        Area of the cells read.
-    """
-
-    layer: Layer
-    cells: CellGrid
-    expected: NDArray[np.int8]
-    evidence: Evidence
-    area_mm2: float
 
 
 @dataclass(frozen=True, eq=False)
