@@ -165,9 +165,8 @@ class WindowDecoder:
                 "decode",
                 Reason.UNKNOWN_CODE,
                 f"the central window is in the pad, but {windows - right} of {windows} other "
-                f"windows and {evidence.wrong} of {evidence.read} cells differ from it (chance "
-                f"of such a match 10^{evidence.log10_false_alarm:.1f}, "
-                f"10^{params.log10_false_alarm:.0f} is needed)",
+                f"windows and {evidence.wrong} of {evidence.read} cells differ from it "
+                f"({evidence.compared_with(params.log10_false_alarm)})",
             )
         corners = _corners(place, window.size)
         return WindowRead(

@@ -44,9 +44,6 @@ from padstudio.vision.stage.trace import Recorder, StageFailure
 
 LayerName = Literal["red", "green", "blue", "outline"]
 
-# Failures in the order of how near they came to an answer.
-_ORDER = ("outline", "edges", "lines", "grid", "decode", "pose")
-
 
 @dataclass(frozen=True)
 class _Frame:
@@ -141,13 +138,13 @@ class Paper:
                 found = self._from_window(local, level, attempts)
                 if isinstance(found, WindowPose):
                     return _detection(found, found.read.layer.channel)
-                nearest = max(nearest, found, key=lambda failure: _ORDER.index(failure.stage))
+                nearest = max(nearest, found, key=_progress)
         return Detection(None, nearest)
 
     def _from_window(self, frame: _Frame, level: int, attempts: int) -> WindowPose | StageFailure:
         reads, failures = self._read_channels(frame, level, attempts)
         if not reads:
-            return max(failures, key=lambda failure: _ORDER.index(failure.stage))
+            return max(failures, key=_progress)
         choice = frame.recorder.run("choose", None, choose_larger, reads)
         params = self.params.paper
         return frame.recorder.run(
@@ -204,6 +201,10 @@ class Paper:
         if isinstance(lines, StageFailure):
             return lines
         return run("lines", channel, find_line_grid, lines)
+
+
+def _progress(failure: StageFailure) -> int:
+    return failure.progress
 
 
 def _detection(found: WindowPose | OutlinePose, layer: LayerName) -> Detection:

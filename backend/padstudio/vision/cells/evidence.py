@@ -47,6 +47,13 @@ class Evidence:
         """True where a pose may rest on it."""
         return self.skill >= least_skill and self.log10_false_alarm <= log10_false_alarm
 
+    def compared_with(self, log10_false_alarm: float) -> str:
+        """The bound that was reached and the one that is needed, for a sentence."""
+        return (
+            f"chance of such a match 10^{self.log10_false_alarm:.1f}, "
+            f"10^{log10_false_alarm:.0f} is needed"
+        )
+
 
 def judge(
     levels: NDArray[np.int8], expected: NDArray[np.int8], count: int, places: int

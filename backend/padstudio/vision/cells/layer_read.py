@@ -7,9 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.pad.spec import Layer
-from padstudio.vision.cells.evidence import Evidence
-from padstudio.vision.cells.sampling import CellGrid
+from padstudio.arrays import Array
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.evidence import Evidence, judge
+from padstudio.vision.cells.sampling import CellGrid, read_cells
+from padstudio.vision.cells.visible import to_pad, visible_range
+from padstudio.vision.frame.pyramid import Pyramid
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +28,50 @@ class LayerRead:
     expected : (R, C) int8
         Levels that the pad has there.
     evidence : Evidence
-    area_mm2 : float
-        Area of the cells read.
     """
 
     layer: Layer
     cells: CellGrid
     expected: NDArray[np.int8]
     evidence: Evidence
-    area_mm2: float
+
+    @property
+    def wrong_cells(self) -> str:
+        """How many cells differ from the pad, for a sentence: ``3 of 40 red cells``."""
+        return f"{self.evidence.wrong} of {self.evidence.read} {self.layer.channel} cells"
+
+
+def read_layer(
+    pyramid: Pyramid, camera: Camera, pad: Pad, layer: Layer, pose: MovingPose, places: int
+) -> LayerRead | None:
+    """Read a layer's visible cells where a pose puts them, and compare them with the pad.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    camera : Camera
+        At the frame's size.
+    pad : Pad
+    layer : Layer
+    pose : MovingPose
+    places : int
+        Places and turns among which this one was chosen.
+
+    Returns
+    -------
+    LayerRead or None
+        None where no cell of the layer lies in the frame.
+    """
+    rows, cols = visible_range(pad, layer, camera, pose.pose)
+    if rows[0] >= rows[1] or cols[0] >= cols[1]:
+        return None
+
+    def to_pixels(coordinates: Array) -> Array:
+        return pose.project(camera, to_pad(pad, layer, coordinates))
+
+    cells = read_cells(pyramid, layer.channel, to_pixels, cols, rows)
+    if cells is None:
+        return None
+    expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
+    evidence = judge(cells.levels(pad.levels), expected, pad.levels, places)
+    return LayerRead(layer, cells, expected, evidence)

@@ -116,9 +116,8 @@ def choose(
         return StageFailure(
             "choose",
             Reason.UNKNOWN_CODE,
-            f"with the refined pose {best.evidence.wrong} of {best.evidence.read} "
-            f"{best.layer.channel} cells differ from the pad (chance of such a match "
-            f"10^{best.evidence.log10_false_alarm:.1f}, 10^{log10_false_alarm:.0f} is needed)",
+            f"with the refined pose {best.wrong_cells} differ from the pad "
+            f"({best.evidence.compared_with(log10_false_alarm)})",
         )
     for read in good:
         if read.layer is measured:

@@ -176,8 +176,7 @@ class Dense:
                 failure = StageFailure(
                     "pose",
                     Reason.POSE_REJECTED,
-                    f"near the last pose {read.evidence.wrong} of {read.evidence.read} "
-                    f"{read.layer.channel} cells differ from the pad",
+                    f"near the last pose {read.wrong_cells} differ from the pad",
                 )
                 return Detection(None, failure)
         return detection

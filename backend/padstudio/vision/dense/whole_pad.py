@@ -15,10 +15,10 @@ import numpy as np
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import outline_mm
-from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.cells.layer_read import LayerRead
+from padstudio.pad.spec import Pad
+from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.regions import Region, sharper
-from padstudio.vision.outline.quadrilateral import Outline, find_outline
+from padstudio.vision.outline.quadrilateral import Outline, another_sign, find_outline
 from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import Refiner
@@ -68,14 +68,9 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
         best = _matched(refiner, outline, best.fit.pose, rough=False)
     if best is None:
         return StageFailure("outline", Reason.NO_OUTLINE, "the outline's corners give no pose")
-    evidence = best.read.evidence
-    if not evidence.suffices(refiner.params.log10_false_alarm, least_skill=_LEAST_SKILL):
-        return StageFailure(
-            "outline",
-            Reason.UNKNOWN_CODE,
-            f"four sides are there, but {evidence.wrong} of {evidence.read} "
-            f"{best.read.layer.channel} cells within them differ from the pad in its best turn",
-        )
+    bound = refiner.params.log10_false_alarm
+    if not best.read.evidence.suffices(bound, least_skill=_LEAST_SKILL):
+        return another_sign(best.read)
     return best
 
 
@@ -101,7 +96,7 @@ def readable_poses(outline: Outline, refiner: Refiner) -> list[MovingPose]:
     """Of `poses_of` those of the turn in which coarse cells agree with the pad best, if any do."""
     best: tuple[float, list[MovingPose]] = (-np.inf, [])
     for poses in poses_of(outline, refiner.pad):
-        read = refiner.read(_coarse(refiner.pad), poses[0], places=4)
+        read = _read_coarse(refiner, poses[0])
         if read is not None and read.evidence.suffices(0.0) and read.evidence.skill > best[0]:
             best = (read.evidence.skill, poses)
     return best[1]
@@ -113,12 +108,15 @@ def _matched(
     match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start)
     rolling = refiner.params.refine.motion
     fit = match and match.fit(start, motion=False, rolling=rolling, rough=rough)
-    read = fit and refiner.read(_coarse(refiner.pad), fit.pose, places=4)
+    read = fit and _read_coarse(refiner, fit.pose)
     return WholeSign(fit, read, outline) if fit and read else None
 
 
-def _coarse(pad: Pad) -> Layer:
-    return max(pad.layers, key=lambda layer: layer.cell_mm)
+def _read_coarse(refiner: Refiner, pose: MovingPose) -> LayerRead | None:
+    """The coarse layer's cells; the outline leaves four turns to choose from."""
+    pad = refiner.pad
+    coarse = max(pad.layers, key=lambda layer: layer.cell_mm)
+    return read_layer(refiner.pyramid, refiner.camera, pad, coarse, pose, 4)
 
 
 def _surer(a: WholeSign, b: WholeSign) -> bool:

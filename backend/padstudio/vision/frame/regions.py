@@ -68,6 +68,12 @@ class Region:
         return np.asarray(self.mask[cell[:, 1].clip(0, h - 1), cell[:, 0].clip(0, w - 1)])
 
 
+def unused_channels(pad: Pad) -> list[int]:
+    """Channels that no layer uses, so that the pad leaves them dark; as of a BGR picture."""
+    used = {layer.channel for layer in pad.layers}
+    return [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
+
+
 def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
     """Parts of the frame that may hold the pad, the likeliest first, the whole frame last.
 
@@ -84,8 +90,7 @@ def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
     """
     level = max(0, round(np.log2(pyramid.width / _MASK_WIDTH)))
     whole = Region(pyramid.box, None, level)
-    used = {layer.channel for layer in pad.layers}
-    unused = [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
+    unused = unused_channels(pad)
     if not unused:
         return [whole]
     dark = _dark_mask(pyramid.level(level), unused)
@@ -143,12 +148,10 @@ def sharper(pyramid: Pyramid, pad: Pad, region: Region) -> Region:
     level = max(0, int(np.log2(max(region.box.side / _SHAPE_WIDTH, 1))))
     if region.mask is None or level >= region.level:
         return region
-    used = {layer.channel for layer in pad.layers}
-    unused = [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
     image = pyramid.level(level)
     x0, y0 = region.box.x0 >> level, region.box.y0 >> level
     x1, y1 = -(-region.box.x1 >> level), -(-region.box.y1 >> level)
-    dark = _dark_mask(image[y0:y1, x0:x1], unused)
+    dark = _dark_mask(image[y0:y1, x0:x1], unused_channels(pad))
     if dark is None:
         return region
     closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))

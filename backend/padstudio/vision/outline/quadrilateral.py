@@ -17,12 +17,10 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.pose import Pose
+from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import outline_mm
-from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.cells.evidence import judge
-from padstudio.vision.cells.layer_read import LayerRead
-from padstudio.vision.cells.sampling import read_cells
-from padstudio.vision.cells.visible import to_pad
+from padstudio.pad.spec import Pad
+from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.outline.corner_pose import (
@@ -170,24 +168,29 @@ def outline_pose(
             continue
         pose = planar.pose
         for layer in pad.layers:
-            read = _read(pyramid, camera, pad, layer, pose)
+            read = read_layer(pyramid, camera, pad, layer, MovingPose(pose), 4 * len(pad.layers))
             if read is not None and (best is None or _rank(read) < _rank(best[0])):
                 best = (read, pose, points_mm)
     if best is None:
         return _failure("no pose has four such corners")
     read, pose, points_mm = best
     if not read.evidence.suffices(log10_false_alarm):
-        return StageFailure(
-            "outline",
-            Reason.UNKNOWN_CODE,
-            f"four sides are there, but {read.evidence.wrong} of {read.evidence.read} "
-            f"{read.layer.channel} cells within them differ from the pad in its best turn",
-        )
+        return another_sign(read)
     residuals = corner_residuals(pose, camera, points_mm, outline.corners_xy)
     rms = float(np.sqrt(np.mean(np.sum(residuals**2, axis=1))))
     sigma_px = corner_sigma_px(residuals, outline.sigma_px)
     covariance = corner_covariance(pose, camera, points_mm, outline.corners_xy, sigma_px)
     return OutlinePose(pose, outline, read, camera, points_mm, rms, covariance)
+
+
+def another_sign(read: LayerRead) -> StageFailure:
+    """Why an outline whose cells were read in their best turn gives no pose."""
+    return StageFailure(
+        "outline",
+        Reason.UNKNOWN_CODE,
+        f"four sides are there, but {read.wrong_cells} within them differ from the pad in its "
+        "best turn",
+    )
 
 
 def _failure(detail: str) -> StageFailure:
@@ -238,22 +241,6 @@ def _checked(outline: Outline, pyramid: Pyramid) -> Outline | StageFailure:
             "fly lower",
         )
     return outline
-
-
-def _read(pyramid: Pyramid, camera: Camera, pad: Pad, layer: Layer, pose: Pose) -> LayerRead | None:
-    """All cells of a layer where a pose puts them; the outline leaves four places to choose."""
-
-    def to_pixels(coordinates: Array) -> Array:
-        seen = (to_pad(pad, layer, coordinates) - pose.position_mm) @ pose.rotation
-        return camera.project(np.where(seen[:, 2:] > 1e-6, seen, np.nan))
-
-    cells = read_cells(pyramid, layer.channel, to_pixels, (0, layer.cols), (0, layer.rows))
-    if cells is None:
-        return None
-    expected = layer.field.astype(np.int8)
-    evidence = judge(cells.levels(pad.levels), expected, pad.levels, 4 * len(pad.layers))
-    area_mm2 = float(cells.seen.sum()) * layer.cell_mm**2
-    return LayerRead(layer, cells, expected, evidence, area_mm2)
 
 
 def _rank(read: LayerRead) -> tuple[bool, float]:

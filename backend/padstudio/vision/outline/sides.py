@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.pad.spec import CHANNELS, Pad
-from padstudio.vision.frame.pyramid import BGR_INDEX, Pyramid
+from padstudio.pad.spec import Pad
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.frame.regions import unused_channels
 
 # Profiles across a side: their number at the most, and positions along each in units of its reach.
 _MOST_PROFILES = 240
@@ -89,7 +90,7 @@ def fit_side(
     count = int(np.clip(length / (1 << level), _LEAST_POINTS, _MOST_PROFILES))
     feet, outward = _feet(camera, start, end, count)
     at = feet[:, None] + (reach_px * _STEPS)[None, :, None] * outward[:, None]
-    values = _clearest(_sample(pyramid, level, at), _unused(pad))
+    values = _clearest(_sample(pyramid, level, at), unused_channels(pad))
     if values is None:
         return None
     shift, good = _half_way(values)
@@ -108,11 +109,6 @@ def _feet(camera: Camera, start: Array, end: Array, count: int) -> tuple[Array, 
     # To the left of the way, hence out of the pad.
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
     return feet, outward / np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
-
-
-def _unused(pad: Pad) -> list[int]:
-    used = {layer.channel for layer in pad.layers}
-    return [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
 
 
 def _sample(pyramid: Pyramid, level: int, at: Array) -> Array:

@@ -21,7 +21,6 @@ FIRST: Color = (70, 190, 255)
 SECOND: Color = (255, 200, 60)
 RIGHT: Color = (90, 220, 90)
 WRONG: Color = (60, 60, 255)
-UNKNOWN: Color = (200, 200, 200)
 _AXES: tuple[Color, Color, Color] = ((80, 80, 255), (90, 220, 90), (255, 140, 80))
 # Positions are drawn with this many fractional bits.
 _SHIFT = 4

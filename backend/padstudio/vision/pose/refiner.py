@@ -12,14 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.cells.evidence import judge
-from padstudio.vision.cells.layer_read import LayerRead
-from padstudio.vision.cells.sampling import read_cells
-from padstudio.vision.cells.visible import to_pad, visible_range
+from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.edge_points import (
     LEAST_BORDERS,
@@ -220,35 +216,11 @@ class Refiner:
         moving = fit_pose(fit.pose, measured, self.camera, motion=True, iterations=iterations)
         return better_of(fit, moving)
 
-    def read(
-        self, layer: Layer, pose: MovingPose, *, places: int | None = None
-    ) -> LayerRead | None:
-        """Read a layer's visible cells where a pose puts them, and compare them with the pad.
-
-        Parameters
-        ----------
-        layer : Layer
-        pose : MovingPose
-        places : int, optional
-            Among how many places this one was chosen; all of the layer's by default.
-        """
-        rows, cols = visible_range(self.pad, layer, self.camera, pose.pose)
-        if rows[0] >= rows[1] or cols[0] >= cols[1]:
-            return None
-
-        def to_pixels(coordinates: Array) -> Array:
-            return pose.project(self.camera, to_pad(self.pad, layer, coordinates))
-
-        cells = read_cells(self.pyramid, layer.channel, to_pixels, cols, rows)
-        if cells is None:
-            return None
-        expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
-        if places is None:
-            everywhere = 4 * layer.rows * layer.cols * self.attempts
-            places = everywhere if self.attempts else _NEAR_BY
-        evidence = judge(cells.levels(self.pad.levels), expected, self.pad.levels, places)
-        area = float(cells.seen.sum()) * layer.cell_mm**2
-        return LayerRead(layer, cells, expected, evidence, area)
+    def read(self, layer: Layer, pose: MovingPose) -> LayerRead | None:
+        """`read_layer` where all places that were searched compete, or those near by."""
+        everywhere = 4 * layer.rows * layer.cols * self.attempts
+        places = everywhere if self.attempts else _NEAR_BY
+        return read_layer(self.pyramid, self.camera, self.pad, layer, pose, places)
 
     def _measure(
         self, layer: Layer, borders: Borders, pose: MovingPose, cell_px: float, *, sharper: int

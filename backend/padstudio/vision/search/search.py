@@ -107,7 +107,7 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
 
 def _nearer(a: Miss, b: Miss) -> Miss:
     """The failure of the later stage; of two, the better match, then the one of more cells."""
-    return max(a, b, key=lambda miss: (_ORDER[miss.failure.stage], miss.match, miss.cells))
+    return max(a, b, key=lambda miss: (miss.failure.progress, miss.match, miss.cells))
 
 
 def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region, int]]:
@@ -131,7 +131,6 @@ _LEAST_COHERENCE = 0.12
 _ALIKE = 0.8
 # More cells than these do not agree by the number that is missing.
 _FEW_CELLS = 100
-_ORDER = {"edges": 0, "lines": 1, "grid": 2, "decode": 3}
 
 
 def find(
@@ -238,8 +237,7 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
         "decode",
         Reason.TOO_FEW_CELLS if evidence.skill > _ALIKE else Reason.UNKNOWN_CODE,
         f"read {evidence.read} cells; at the best place of this pad {evidence.wrong} differ "
-        f"(chance of such a match 10^{evidence.log10_false_alarm:.1f}, "
-        f"10^{frame.params.log10_false_alarm:.0f} is needed)",
+        f"({evidence.compared_with(frame.params.log10_false_alarm)})",
     )
     return Miss(failure, region, level, evidence.read, -evidence.log10_false_alarm)
 

@@ -76,6 +76,11 @@ class StageFailure:
     detail: str
     advice: str = ""
 
+    @property
+    def progress(self) -> int:
+        """How near to an answer it came: the stage's number, that of `outline`, tried first, −1."""
+        return -1 if self.stage == "outline" else STAGES.index(self.stage)
+
 
 @dataclass(frozen=True)
 class StageRecord:
