@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.color import linear_from_srgb
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
@@ -24,8 +25,8 @@ _LEAST_POINTS = 8
 _LEAST_CONTRAST = 1.5
 # Added to the sum of channels, so that noise in the dark does not look like colour.
 _DARK = 2.0
-# Of the tone curve of most cameras, IEC 61966-2-1, as near as needed.
-_GAMMA = 2.2
+# Light, 0 … 255, of the grey values of a frame.
+_LIGHT = 255 * linear_from_srgb(np.arange(256) / 255)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,7 @@ def _sample(pyramid: Pyramid, level: int, at: Array) -> Array:
         image, local[..., 0], local[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
     # A pixel half on white and half on ink has half the light, but more than half the grey value.
-    return np.asarray((colors / 255.0) ** _GAMMA * 255.0, float)
+    return np.asarray(_LIGHT[colors], float)
 
 
 def _clearest(colors: Array, unused: list[int]) -> Array | None:
