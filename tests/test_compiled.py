@@ -48,7 +48,7 @@ def package(path: Path, factor: int) -> Path:
     """A package with the real door and two loops, one of which calls the other."""
     home = path / "padstudio"
     home.mkdir(exist_ok=True)
-    for name in ("__init__.py", "compiled.py"):
+    for name in ("__init__.py", "compiled.py", "machine_code.py"):
         shutil.copy(PACKAGE / name, home)
     (home / "callee.py").write_text(CALLEE.format(factor=factor))
     (home / "caller.py").write_text(CALLER)
@@ -102,3 +102,28 @@ def test_numba_waits_for_the_first_call() -> None:
         "print('numba' in sys.modules)"
     )
     assert run(code, PACKAGE.parent) == "False"
+
+
+def test_kept_code_of_a_callee_serves_a_caller_that_is_compiled_anew(tmp_path: Path) -> None:
+    kept = package(tmp_path, 2) / "padstudio" / "__pycache__"
+    callee_first = f"from padstudio.callee import grown; print(grown(5)); {CALL}"
+    assert run(callee_first, tmp_path).split() == ["10", "11"]
+    for code in kept.rglob("caller.*"):
+        code.unlink()
+    assert run(callee_first, tmp_path).split() == ["10", "11"]
+    hits = "print(sum(grown.dispatcher.stats.cache_hits.values()))"
+    assert run(f"{callee_first}; {hits}", tmp_path).split() == ["10", "11", "1"]
+
+
+def test_kept_code_that_is_damaged_is_compiled_anew(tmp_path: Path) -> None:
+    assert run(CALL, package(tmp_path, 2)) == "11"
+    for code in (tmp_path / "padstudio" / "__pycache__").rglob("caller.*"):
+        if code.suffix != ".pyc":
+            code.write_bytes(code.read_bytes()[:100])
+    assert run(CALL, tmp_path) == "11"
+
+
+def test_kept_code_is_loaded_without_what_compiling_takes(tmp_path: Path) -> None:
+    code = f"{CALL}; import sys; print('numba.np.arraymath' in sys.modules)"
+    assert run(code, package(tmp_path, 2)).split() == ["11", "True"]
+    assert run(code, tmp_path).split() == ["11", "False"]

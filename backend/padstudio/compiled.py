@@ -2,7 +2,7 @@
 
 Modules with loops can be imported freely: importing Numba, which costs more than all other imports
 together, waits for the first call. Machine code is kept on disk, in a folder named by a hash of the
-sources of *all* loops: Numba itself notices changes of a loop's own file only, and would go on
+sources of *all* loops: Numba by itself notices changes of a loop's own file only, and would go on
 calling old code of a loop in another file.
 """
 
@@ -11,9 +11,8 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar
@@ -51,9 +50,7 @@ class Compiled(Generic[P, T]):
     def dispatcher(self) -> Any:
         """Numba's own object, whose ``signatures`` tell what was compiled."""
         if self._dispatcher is None:
-            with _caching() as kept:
-                options = {"nogil": True, "cache": kept, **self._options}
-                self._dispatcher = _numba().njit(**options)(self.__wrapped__)
+            self._dispatcher = _dispatcher(self.__wrapped__, {"nogil": True, **self._options})
         return self._dispatcher
 
 
@@ -81,6 +78,7 @@ def inlined_jit(function: Callable[P, T]) -> Compiled[P, T]:
     return Compiled(function, error_model="numpy", _nrt=False, forceinline=True)
 
 
+@cache
 def cache_folder() -> Path | None:
     """Where machine code is kept; None where no folder can be written.
 
@@ -93,8 +91,8 @@ def cache_folder() -> Path | None:
         folder = parent / f"{_FOLDER}{sources_hash()}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=folder).close()
-            return folder
+            if os.access(folder, os.W_OK):
+                return folder
     return None
 
 
@@ -117,16 +115,14 @@ def sources_hash() -> str:
     return found.hexdigest()
 
 
-@contextmanager
-def _caching() -> Iterator[bool]:
-    """Numba's cache in our folder; True where there is one."""
-    config = _numba().config
-    folder, before = cache_folder(), config.CACHE_DIR
-    config.CACHE_DIR = "" if folder is None else str(folder)
-    try:
-        yield folder is not None
-    finally:
-        config.CACHE_DIR = before
+def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Numba's object for a function, which loads or compiles its code when it is called."""
+    dispatcher, folder = _numba().njit(**options)(function), cache_folder()
+    if folder is not None:
+        from padstudio.machine_code import MachineCode
+
+        dispatcher._cache = MachineCode(function, folder)
+    return dispatcher
 
 
 @cache
