@@ -6,13 +6,15 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from padstudio.errors import NotFoundError
 from padstudio.flights.tasks.detectors import Recipe
 from padstudio.flights.tasks.frames import FramesTask, StillPart, VideoPart
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
-from padstudio.store.database.flight_tables import ChunkRow, FlightRow
+
+if TYPE_CHECKING:
+    from padstudio.store.database.flight_tables import ChunkRow, FlightRow
 
 
 @dataclass(frozen=True, kw_only=True)
