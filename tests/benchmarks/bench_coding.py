@@ -91,16 +91,10 @@ def measure_index(side: int) -> dict[str, Any]:
     start = time.perf_counter()
     places = index.lookup(read)
     lookup_us = (time.perf_counter() - start) / len(read) * 1e6
-    wrong = read.copy()
-    wrong[:, 2, 3] ^= 1
-    start = time.perf_counter()
-    index.lookup_near(wrong[:2000], errors=1)
-    near_us = (time.perf_counter() - start) / 2000 * 1e6
     return {
         "side": side,
         "build_s": build_s,
         "lookup_us": lookup_us,
-        "lookup_one_error_us": near_us,
         "bytes_per_window": index.nbytes / (side - 5) ** 2,
         "right": bool((places.rows == rows).all() and (places.cols == cols).all()),
     }

@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 
 from padstudio import Camera, Detector, Pad
-from padstudio.pad.coding.generate import generate_pad
+from padstudio.pad.coding.generate import PadSpec, generate_pad
 from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, coverage
 from padstudio.pad.spec import Layer
 from padstudio.simulate.radiance.scene import Scene
@@ -63,7 +63,7 @@ def places() -> dict[str, Place]:
     forty = Pad((Layer("blue", 20.0, field),))
     two = Pad((Layer("red", 20.0, field), Layer("blue", 80.0, field[:10, :10])))
     dozen = Pad((Layer("red", 50.0, field[:12, :12]),))
-    large = generate_pad(rows=250, cols=250, ratio=1, distance=2)
+    large = generate_pad(PadSpec(rows=250, cols=250, ratio=1, distance=2))
     coarse, fine = only(footage, "blue"), only(footage, "red")
     return {
         "cells of a fine layer": Place(large, "small", "red", "high"),

@@ -140,7 +140,7 @@ def test_any_error_is_one_line(monkeypatch, tmp_path, error, exit_code, line):
 
 def test_a_defect_shows_its_place_on_request(monkeypatch, tmp_path):
     monkeypatch.setenv("PADSTUDIO_DEBUG", "1")
-    monkeypatch.setattr("padstudio.pad.coding.generate.generate_pad", lambda **_: 1 / 0)
+    monkeypatch.setattr("padstudio.pad.coding.generate.generate_pad", lambda *_, **__: 1 / 0)
     result = run("generate", "-o", tmp_path / "pad.json")
     assert "Traceback" in result.stderr
     assert result.exit_code == 70

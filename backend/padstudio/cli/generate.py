@@ -53,26 +53,29 @@ def generate(
     force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
 ) -> None:
     """Generate a pad and write it as a pad file."""
-    from padstudio.pad.coding.generate import generate_pad
+    from padstudio.pad.coding.generate import PadSpec, generate_pad
 
     check_output(output, force=force)
     rows, cols = _cells(cells)
+    spec = PadSpec(
+        name=name,
+        window=window,
+        levels=levels,
+        rows=rows,
+        cols=cols,
+        ratio=ratio,
+        cell_mm=cell_mm,
+        quiet_mm=quiet_mm,
+        unique=unique,
+        distance=distance,
+        visible_lines=visible_lines,
+        method=method,
+        seed=seed,
+    )
     with progress_bar(counted=False) as progress:
         task = progress.add_task("Searching", total=1.0)
         pad = generate_pad(
-            name=name,
-            window=window,
-            levels=levels,
-            rows=rows,
-            cols=cols,
-            ratio=ratio,
-            cell_mm=cell_mm,
-            quiet_mm=quiet_mm,
-            unique=unique,
-            distance=distance,
-            visible_lines=visible_lines,
-            method=method,
-            seed=seed,
+            spec,
             budget_s=budget_s,
             progress=lambda share: progress.update(task, completed=share),
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from padstudio.pad.coding import field_tables, verify
-from padstudio.pad.coding import generate as coding
+from padstudio.pad.coding.generate import PadSpec, any_seed, generate_pad
 from padstudio.pad.crosstalk import Matrix, separation, separation_warnings
 from padstudio.pad.spec import Layer, Pad
 
@@ -24,8 +24,7 @@ class Design:
         What lists show of it.
     verification : mapping or None
         What `padstudio.pad.coding.verify` found of the finest layer, with its ``channel``; in
-        ``others``
-        whether the other layers are unique. None where nobody asked.
+        ``others`` whether the other layers are unique. None where nobody asked.
     """
 
     content: str
@@ -39,7 +38,7 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
     Parameters
     ----------
     spec : mapping
-        Arguments of `padstudio.pad.coding.generate.generate_pad`.
+        Attributes of a `padstudio.pad.coding.generate.PadSpec`; without a seed, one is drawn.
     budget_s : float
         Time for the search, s.
 
@@ -48,7 +47,8 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
     SpecError, SearchExhaustedError
         As `generate_pad`.
     """
-    pad = coding.generate_pad(**spec, budget_s=budget_s)
+    asked = PadSpec(**{**spec, "seed": any_seed(spec.get("seed"))})
+    pad = generate_pad(asked, budget_s=budget_s)
     return Design(pad.dumps(), summarize(pad), _verify(pad))
 
 
@@ -69,7 +69,7 @@ class TableSizes:
         None takes as many as occur.
     cell_mm : float
     ratio : int
-        As of `padstudio.pad.coding.generate.generate_pad`.
+        As of `padstudio.pad.coding.generate.PadSpec`.
     quiet_mm : float
     """
 

@@ -15,6 +15,8 @@ from padstudio.errors import SearchCancelledError, SpecError
 from padstudio.pad.coding.generate import (
     FieldSearchError,
     FieldSpec,
+    PadSpec,
+    any_seed,
     generate_field,
     generate_pad,
 )
@@ -137,15 +139,15 @@ def test_the_default_pad() -> None:
 
 
 def test_a_ratio_of_one_makes_one_layer() -> None:
-    pad = generate_pad(rows=12, cols=17, ratio=1, quiet_mm=3.0, name="one")
+    pad = generate_pad(PadSpec(rows=12, cols=17, ratio=1, quiet_mm=3.0, name="one"))
     assert [layer.channel for layer in pad.layers] == ["red"]
     assert (pad.name, pad.quiet_mm) == ("one", 3.0)
 
 
 def test_a_drawn_seed_is_kept_and_gives_the_same_pad_again() -> None:
-    pad = generate_pad(rows=20, cols=20, ratio=1, seed=None)
+    pad = generate_pad(PadSpec(rows=20, cols=20, ratio=1, seed=any_seed(None)))
     assert pad.seed is not None
-    again = generate_pad(rows=20, cols=20, ratio=1, seed=pad.seed)
+    again = generate_pad(PadSpec(rows=20, cols=20, ratio=1, seed=any_seed(pad.seed)))
     assert np.array_equal(pad.layers[0].field, again.layers[0].field)
 
 
@@ -171,7 +173,7 @@ def test_a_drawn_seed_is_kept_and_gives_the_same_pad_again() -> None:
 )
 def test_absurd_pads_are_refused_by_name(kind: dict[str, object], words: str) -> None:
     with pytest.raises(SpecError, match=words):
-        generate_pad(**kind)  # type: ignore[arg-type]
+        generate_pad(PadSpec(**kind))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("method", ["auto", "growth"])

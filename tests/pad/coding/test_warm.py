@@ -12,10 +12,9 @@ def test_warming_compiles_every_loop() -> None:
         row_search.search,
         row_search.fill,
         row_search.top_row,
-        board._take_symmetric,
+        board.take_symmetric,
         beam_search.openness,
         growth.grow,
-        growth.take_back,
         verify_kernel.compare_runs,
     ]
     assert [f.__name__ for f in entered if not f.dispatcher.signatures] == []

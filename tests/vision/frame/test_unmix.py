@@ -7,7 +7,7 @@ import pytest
 
 from padstudio import Camera, Detector, DetectorParams
 from padstudio.geometry.pose import look_at_pad
-from padstudio.pad.coding.generate import generate_pad
+from padstudio.pad.coding.generate import PadSpec, generate_pad
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
 from padstudio.vision.overlays import stages
@@ -30,7 +30,7 @@ CAMERA = Camera(1360, 765, np.array([[943.0, 0, 679.5], [0, 943.0, 382.0], [0, 0
 @pytest.fixture(scope="module")
 def pad():
     """A pad that knows the mixture."""
-    pad = generate_pad(rows=60, cols=60, ratio=5, cell_mm=10.0, seed=4)
+    pad = generate_pad(PadSpec(rows=60, cols=60, ratio=5, cell_mm=10.0, seed=4))
     return replace(pad, crosstalk=MIXTURE.tolist())
 
 

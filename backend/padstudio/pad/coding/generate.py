@@ -1,14 +1,14 @@
 """Generate fields whose windows are unique, and pads of them.
 
 Every field is verified by `padstudio.pad.coding.verify`, which shares no code with the generators,
-before
-it is handed out.
+before it is handed out.
 """
 
 from __future__ import annotations
 
 import secrets
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +20,13 @@ from padstudio.pad.coding.search.maximum_length import can_cut, cut_field
 from padstudio.pad.coding.search.spec import (
     FieldSearchError,
     FieldSpec,
-    Method,
-    Unique,
     Watch,
 )
 from padstudio.pad.coding.search.table_search import search_field
 from padstudio.pad.coding.verify import least_distance, lines_visible
 from padstudio.pad.spec import MAX_CELLS, Layer, Pad
 
-__all__ = ["FieldSearchError", "FieldSpec", "generate_field", "generate_pad"]
+__all__ = ["FieldSearchError", "FieldSpec", "PadSpec", "any_seed", "generate_field", "generate_pad"]
 
 
 def generate_field(
@@ -84,21 +82,43 @@ def generate_field(
     return field
 
 
+@dataclass(frozen=True, kw_only=True)
+class PadSpec(FieldSpec):
+    """A pad to be generated: its red layer's field, and what else the pad holds.
+
+    Attributes
+    ----------
+    name : str
+    ratio : int
+        How many red cells a blue cell is wide; the blue layer is the upper left rows/ratio ×
+        cols/ratio of the red field. 1 makes a pad of the red layer alone.
+    cell_mm, quiet_mm : float
+        Side of a red cell and width of the white margin, mm.
+
+    Raises
+    ------
+    SpecError
+        As `FieldSpec`, and where the ratio leaves the blue layer less than one window.
+    """
+
+    name: str = "pad"
+    ratio: int = 5
+    cell_mm: float = 10.0
+    quiet_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_layers(self, self.ratio)
+
+
+def any_seed(seed: int | None) -> int:
+    """A seed, or one drawn where none is given."""
+    return secrets.randbits(32) if seed is None else seed
+
+
 def generate_pad(
+    spec: PadSpec | None = None,
     *,
-    name: str = "pad",
-    window: int = 5,
-    levels: int = 2,
-    rows: int = 125,
-    cols: int = 125,
-    ratio: int = 5,
-    cell_mm: float = 10.0,
-    quiet_mm: float = 0.0,
-    unique: Unique = "rotation",
-    distance: int = 3,
-    visible_lines: bool = False,
-    method: Method = "auto",
-    seed: int | None = 1,
     budget_s: float = 60.0,
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -107,54 +127,33 @@ def generate_pad(
 
     Parameters
     ----------
-    ratio : int
-        How many red cells a blue cell is wide; the blue layer is the upper left rows/ratio ×
-        cols/ratio of the red field. 1 makes a pad of the red layer alone.
-    cell_mm, quiet_mm : float
-        Side of a red cell and width of the white margin, mm.
-    seed : int or None
-        None draws one; the pad holds it.
-    name, window, levels, rows, cols, unique, distance, visible_lines, method
-        As of `Pad` and `FieldSpec`.
+    spec : PadSpec, optional
+        The result depends on nothing else; unless given, ``PadSpec()``.
     budget_s, progress, cancel
         As of `generate_field`.
 
     Raises
     ------
-    SpecError
-        Also where the ratio leaves the blue layer less than one window.
-    FieldSearchError, SearchCancelledError
+    SpecError, LimitError, FieldSearchError, SearchCancelledError
         As `generate_field`.
     """
-    seed = secrets.randbits(32) if seed is None else seed
-    spec = FieldSpec(
-        rows=rows,
-        cols=cols,
-        window=window,
-        levels=levels,
-        unique=unique,
-        distance=distance,
-        visible_lines=visible_lines,
-        method=method,
-        seed=seed,
-    )
-    _check_layers(spec, ratio)
+    spec = spec or PadSpec()
     red = generate_field(spec, budget_s=budget_s, progress=progress, cancel=cancel)
-    layers = [Layer("red", cell_mm, red)]
-    if ratio > 1:
-        blue = red[: rows // ratio, : cols // ratio]
-        layers.append(Layer("blue", ratio * cell_mm, blue))
+    layers = [Layer("red", spec.cell_mm, red)]
+    if spec.ratio > 1:
+        blue = red[: spec.rows // spec.ratio, : spec.cols // spec.ratio]
+        layers.append(Layer("blue", spec.ratio * spec.cell_mm, blue))
     return Pad(
         layers=tuple(layers),
-        window=window,
-        levels=levels,
-        quiet_mm=quiet_mm,
-        name=name,
-        seed=seed,
-        method=method,
-        unique=unique,
-        distance=distance,
-        visible_lines=visible_lines,
+        window=spec.window,
+        levels=spec.levels,
+        quiet_mm=spec.quiet_mm,
+        name=spec.name,
+        seed=spec.seed,
+        method=spec.method,
+        unique=spec.unique,
+        distance=spec.distance,
+        visible_lines=spec.visible_lines,
     )
 
 
@@ -185,7 +184,6 @@ def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
         field = cut_field(spec, watch)
         if field is not None:
             return field
-    # Numba takes half a second to import: only who generates pays for it.
     if uses_table(spec):
         return search_field(spec, watch)
     return grow_field(spec, watch)

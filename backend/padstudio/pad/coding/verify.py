@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
-from padstudio.pad.coding.verify_kernel import compare_runs
+from padstudio.pad.coding.verify_kernel import Nearest, Packed, compare_runs
 
 U64 = NDArray[np.uint64]
 # Comparisons of two windows that an unasked-for search for near windows may take.
@@ -133,7 +133,7 @@ def verify_field(
     if distance_limit is None:
         distance_limit = _affordable_limit(windows, window * window, levels)
     limit = min(distance_limit, window * window)
-    upright, _ = _nearest(field, window, levels, turns=1, limit=limit)
+    upright = _nearest(field, window, levels, turns=1, limit=limit).distance
     turned, others = _nearest(field, window, levels, turns=4, limit=limit)
     return Verification(
         rows=field.shape[0],
@@ -162,8 +162,8 @@ def least_distance(
 
     With ``rotation`` in any turn, a window and itself turned included. Quicker than `verify_field`.
     """
-    nearest, _ = _nearest(field, window, levels, turns=4 if rotation else 1, limit=limit)
-    return int(nearest.min())
+    nearest = _nearest(field, window, levels, turns=4 if rotation else 1, limit=limit)
+    return int(nearest.distance.min())
 
 
 def _affordable_limit(windows: int, size: int, levels: int) -> int:
@@ -216,27 +216,23 @@ def _mixed(words: U64) -> U64:
     return out
 
 
-def _nearest(
-    field: NDArray[np.uint8], b: int, levels: int, *, turns: int, limit: int
-) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
-    """Distance (windows,) to the nearest other, at most ``limit + 1``, and which: turn · windows +
-    number, -1 for none."""
+def _nearest(field: NDArray[np.uint8], b: int, levels: int, *, turns: int, limit: int) -> Nearest:
+    """The nearest other of each window, at most ``limit + 1`` apart."""
     bits = max(1, int(levels - 1).bit_length())
     whole = np.ones((b, b), bool)
     words = np.stack([_pack(field, b, bits, turn, whole) for turn in range(turns)], axis=1)
     words = words.reshape(len(words), -1)
     count = words.shape[1] // turns
-    nearest = np.full(count, limit + 1, np.uint8)
-    others = np.full(count, -1, np.int64)
+    nearest = Nearest(np.full(count, limit + 1, np.uint8), np.full(count, -1, np.int64))
     if limit == 0 and not _any_equal(_mixed(words)):
-        return nearest, others
+        return nearest
     part_of = np.arange(b * b).reshape(b, b) % (limit + 1)
     for part in range(limit + 1):
         cells = part_of == part
         keys = np.concatenate([_mixed(_pack(field, b, bits, turn, cells)) for turn in range(turns)])
         order = np.argsort(keys)
-        compare_runs(words, keys, order, bits, part, nearest, others)
-    return nearest, others
+        compare_runs(Packed(words, bits), keys, order, part, nearest)
+    return nearest
 
 
 def _any_equal(keys: U64) -> bool:

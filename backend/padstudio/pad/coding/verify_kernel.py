@@ -2,38 +2,66 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import jit
+from padstudio.compiled import pure_jit
 
 _ONE = np.uint64(1)
 
 
-@jit
+class Packed(NamedTuple):
+    """All windows of a field, of one turn after the other.
+
+    Attributes
+    ----------
+    words : (words, turns * windows) uint64
+    bits : int
+        Of a cell; none lies across two words.
+    """
+
+    words: NDArray[np.uint64]
+    bits: int
+
+
+class Nearest(NamedTuple):
+    """The window found nearest to each.
+
+    Attributes
+    ----------
+    distance : (windows,) uint8
+    other : (windows,) int64
+        Its column in `Packed.words`; -1 for none.
+    """
+
+    distance: NDArray[np.uint8]
+    other: NDArray[np.int64]
+
+
+@pure_jit
 def compare_runs(
-    words: NDArray[np.uint64],
+    packed: Packed,
     keys: NDArray[np.uint64],
     order: NDArray[np.int64],
-    bits: int,
     part: int,
-    nearest: NDArray[np.uint8],
-    others: NDArray[np.int64],
+    nearest: Nearest,
 ) -> None:
     """Compare all windows with equal keys and enter what is nearer.
 
     Parameters
     ----------
-    words : (words, turns * windows) uint64
-        Packed windows, all of one turn after the other, ``bits`` a cell.
+    packed
     keys, order : (turns * windows,)
         Cells of the part, and the permutation that sorts them.
     part : int
         Parts compared before this one: whatever is within that distance was found.
-    nearest, others : (windows,)
-        Least distance so far and with which column of ``words``; updated.
+    nearest
+        Updated.
     """
-    count, windows = len(keys), len(nearest)
+    words, bits, distance = packed.words, packed.bits, nearest.distance
+    count, windows = len(keys), len(distance)
     cell = np.uint64(0)
     for k in range(0, 64 // bits * bits, bits):
         cell |= _ONE << np.uint64(k)
@@ -44,7 +72,7 @@ def compare_runs(
             last += 1
         for at in range(first, last):
             window = order[at]
-            if window >= windows or nearest[window] <= part:
+            if window >= windows or distance[window] <= part:
                 continue
             for k in range(first, last):
                 other = order[k]
@@ -60,9 +88,9 @@ def compare_runs(
                     while folded:
                         folded &= folded - _ONE
                         differing += 1
-                if differing < nearest[window]:
-                    nearest[window] = differing
-                    others[window] = other
+                if differing < distance[window]:
+                    distance[window] = differing
+                    nearest.other[window] = other
                     if differing <= part:
                         break
         first = last

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from padstudio.pad.coding.generate import generate_field
 from padstudio.pad.coding.search.beam_search import crowd_field
-from padstudio.pad.coding.search.growth import take_back
-from padstudio.pad.coding.search.hash_chains import chains
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
 
 
@@ -13,5 +11,4 @@ def warm_up() -> None:
     """Generate and prove small fields by rows, by a crowd and by growth at random."""
     generate_field(FieldSpec(rows=12, cols=12))
     crowd_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1, 1)
-    grown = generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))
-    take_back(grown, 0, 0, 5, 4, *chains(64, 1))
+    generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))

@@ -1,4 +1,4 @@
-"""Find windows in a field: which place, in which turn, exact and with some misread cells.
+"""Find windows in a field: which place, in which turn.
 
 A window's key is a weighted sum of its levels modulo 2^64: its base-Y number where that fits,
 else a hash. The least key of the four turns is the same however the window was seen; 32 mixed bits
@@ -15,19 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
-from padstudio.pad.coding.window_keys import (
-    U64,
-    every_change,
-    longest_run,
-    mark,
-    weights,
-)
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW
 
+U64 = NDArray[np.uint64]
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 
-# Rows of windows keyed at a time, and windows varied at a time: bounds the memory in use.
+# Rows of windows keyed at a time, and windows looked up at a time: bounds the memory in use.
 _STRIP = 256
 _BATCH = 1 << 20
 
@@ -42,32 +36,11 @@ class Places:
         Top left cell in the field; -1 where the window was not found, or at several places.
     turns : (N,) int32
         ``numpy.rot90(read, turn)`` is what the field holds there; -1 where not found.
-    distances : (N,) int32
-        Known cells in which it differs from the field; -1 where not found.
     """
 
     rows: I32
     cols: I32
     turns: I32
-    distances: I32
-
-
-@dataclass(frozen=True, eq=False)
-class Votes:
-    """Where a whole patch of read cells may lie, most votes first.
-
-    Attributes
-    ----------
-    rows, cols : (N,) int32
-        Where the top left cell of ``numpy.rot90(patch, turn)`` lies in the field; may be outside.
-    turns, counts : (N,) int32
-        The turn, and how many windows of the patch vote for it.
-    """
-
-    rows: I32
-    cols: I32
-    turns: I32
-    counts: I32
 
 
 class WindowIndex:
@@ -101,18 +74,18 @@ class WindowIndex:
         self.window = window
         self.levels = levels
         self.turns = 4 if rotation else 1
-        self._down, self._across = weights(window, levels)
+        self._down, self._across = _weights(window, levels)
         self._across_count = field.shape[1] - window + 1
         marks = np.concatenate(
             [
-                mark(self._strip_keys(field[top : top + _STRIP + window - 1]))
+                _mark(self._strip_keys(field[top : top + _STRIP + window - 1]))
                 for top in range(0, field.shape[0] - window + 1, _STRIP)
             ]
         )
         order = np.argsort(marks)
         self._places = order.astype(np.int32)
         self._marks = marks[order]
-        self._longest = longest_run(self._marks)
+        self._longest = _longest_run(self._marks)
 
     @property
     def nbytes(self) -> int:
@@ -131,64 +104,13 @@ class WindowIndex:
         -------
         Places
         """
-        return self.lookup_near(windows, errors=0)
-
-    def lookup_near(self, windows: NDArray[Any], *, errors: int = 1) -> Places:
-        """Find windows of which some cells may be misread or unknown.
-
-        Parameters
-        ----------
-        windows : (N, b, b) integers
-            Read levels; -1 for an unknown cell, which counts as one of the errors.
-        errors : int
-            Most cells that may differ. A field of distance d answers rightly up to (d − 1) / 2.
-
-        Returns
-        -------
-        Places
-            The nearest place; not found where two are equally near.
-        """
         read = self._checked(windows)
-        unknown = (read < 0) | (read >= self.levels)
-        filled = np.where(unknown, 0, read).astype(np.uint8)
-        missing = unknown.sum((1, 2))
+        known = np.all((read >= 0) & (read < self.levels), axis=(1, 2))
         found = _Found(len(read))
-        open_ = np.flatnonzero(missing <= errors)
-        for changes in range(errors + 1):
-            batch = max(1, _BATCH // self._variants(changes))
-            for first in range(0, len(open_), batch):
-                numbers = open_[first : first + batch]
-                self._search(filled[numbers], unknown[numbers], numbers, changes, found)
-            # Unknown cells were filled with one level: the other levels are changes as well.
-            open_ = open_[(found.places[open_] < 0) | (missing[open_] > changes)]
+        for first in range(0, len(read), _BATCH):
+            numbers = first + np.flatnonzero(known[first : first + _BATCH])
+            self._search(read[numbers].astype(np.uint8), numbers, found)
         return found.answer(self._across_count)
-
-    def votes(self, patch: NDArray[Any], *, errors: int = 0) -> Votes:
-        """Where a patch of read cells may lie: every window of it votes.
-
-        Parameters
-        ----------
-        patch : (R, C) integers
-            Read levels; -1 for unknown cells. A patch smaller than a window gets no votes.
-        errors : int
-            Misread or unknown cells allowed in a window; see `lookup_near`.
-        """
-        b = self.window
-        patch = np.asarray(patch)
-        if patch.ndim != 2 or min(patch.shape) < b:
-            return Votes(*(np.zeros(0, np.int32) for _ in range(4)))
-        views = np.lib.stride_tricks.sliding_window_view(patch, (b, b))
-        i, j = (x.ravel() for x in np.indices(views.shape[:2]))
-        places = self.lookup_near(views.reshape(-1, b, b), errors=errors)
-        hit = places.turns >= 0
-        i, j, turns = i[hit], j[hit], places.turns[hit]
-        i_end, j_end = patch.shape[0] - b - i, patch.shape[1] - b - j
-        row = places.rows[hit] - np.choose(turns, [i, j_end, i_end, j])
-        col = places.cols[hit] - np.choose(turns, [j, i, j_end, i_end])
-        votes, counts = np.unique(np.stack([row, col, turns]), axis=1, return_counts=True)
-        order = np.argsort(-counts, kind="stable")
-        row, col, turns = votes[:, order].astype(np.int32)
-        return Votes(row, col, turns, counts[order].astype(np.int32))
 
     def _checked(self, windows: NDArray[Any]) -> NDArray[np.int64]:
         read = np.asarray(windows)
@@ -220,48 +142,20 @@ class WindowIndex:
             np.minimum(least, sum(lines[i : i + height] * down[i] for i in range(b)), out=least)
         return least.ravel()
 
-    def _variants(self, changes: int) -> int:
-        count = 1
-        for k in range(changes):
-            count = count * (self.window**2 - k) // (k + 1)
-        return int(count * (self.levels - 1) ** changes)
+    def _search(self, read: NDArray[np.uint8], numbers: I64, found: _Found) -> None:
+        """Look for windows (N, b, b) of known cells, and enter where they are."""
+        flat = read.reshape(-1, self.window**2).astype(np.uint64)
+        turned = (np.outer(*self._turn_weights(turn)) for turn in range(self.turns))
+        marks = _mark(np.min([flat @ weights.ravel() for weights in turned], axis=0))
+        at = np.searchsorted(self._marks, marks)
+        for step in range(self._longest):
+            slot = np.minimum(at + step, len(self._marks) - 1)
+            hit = np.flatnonzero(self._marks[slot] == marks)
+            if not len(hit):
+                break
+            self._enter(read[hit], self._places[slot[hit]], numbers[hit], found)
 
-    def _search(
-        self,
-        read: NDArray[np.uint8],
-        unknown: NDArray[np.bool_],
-        numbers: I64,
-        changes: int,
-        found: _Found,
-    ) -> None:
-        """Look for windows with exactly so many cells changed."""
-        turned = [np.outer(*self._turn_weights(turn)) for turn in range(self.turns)]
-        flat = read.reshape(len(read), -1).astype(np.uint64)
-        keys = np.stack([flat @ w.ravel() for w in turned])
-        for cells, shifts in every_change(self.window**2, self.levels, changes):
-            levels = (flat[:, cells] + shifts) % np.uint64(self.levels)
-            varied = np.stack(
-                [
-                    key + ((levels - flat[:, cells]) * w.ravel()[cells]).sum(1, dtype=np.uint64)
-                    for key, w in zip(keys, turned, strict=True)
-                ]
-            )
-            marks = mark(varied.min(0))
-            at = np.searchsorted(self._marks, marks)
-            for step in range(self._longest):
-                slot = np.minimum(at + step, len(self._marks) - 1)
-                hit = np.flatnonzero(self._marks[slot] == marks)
-                if not len(hit):
-                    break
-                seen = read[hit].copy().reshape(len(hit), -1)
-                seen[:, cells] = levels[hit]
-                wrong = changes - (unknown[hit].reshape(len(hit), -1)[:, cells]).sum(1)
-                place = self._places[slot[hit]]
-                self._enter(seen.reshape(-1, *read.shape[1:]), place, wrong, numbers[hit], found)
-
-    def _enter(
-        self, seen: NDArray[np.uint8], places: I32, wrong: I64, numbers: I64, found: _Found
-    ) -> None:
+    def _enter(self, seen: NDArray[np.uint8], places: I32, numbers: I64, found: _Found) -> None:
         """Compare windows with the field cell by cell, and enter the equal ones."""
         row, col = np.divmod(places, self._across_count)
         span = np.arange(self.window)
@@ -270,30 +164,48 @@ class WindowIndex:
         ]
         for turn in range(self.turns):
             equal = (np.rot90(seen, turn, (1, 2)) == held).all((1, 2))
-            found.enter(numbers[equal], places[equal], turn, wrong[equal])
+            found.enter(numbers[equal], places[equal], turn)
 
 
 class _Found:
-    """The nearest place of each window so far."""
+    """The place of each window so far."""
 
     def __init__(self, count: int) -> None:
-        self.places = np.full(count, -1, np.int64)
+        self._places = np.full(count, -1, np.int64)
         self._turns = np.full(count, -1, np.int64)
-        self._distances = np.full(count, np.iinfo(np.int64).max)
         self._doubtful = np.zeros(count, bool)
 
-    def enter(self, numbers: I64, places: I32, turn: int, distances: I64) -> None:
-        """Enter places of windows (each at most once); equally near ones leave doubt."""
-        other = (self.places[numbers] != places) | (self._turns[numbers] != turn)
-        self._doubtful[numbers[other & (distances == self._distances[numbers])]] = True
-        nearer = distances < self._distances[numbers]
-        at = numbers[nearer]
-        self.places[at], self._turns[at] = places[nearer], turn
-        self._distances[at], self._doubtful[at] = distances[nearer], False
+    def enter(self, numbers: I64, places: I32, turn: int) -> None:
+        """Enter places of windows (each at most once); a second place leaves doubt."""
+        other = (self._places[numbers] != places) | (self._turns[numbers] != turn)
+        self._doubtful[numbers[other & (self._places[numbers] >= 0)]] = True
+        self._places[numbers], self._turns[numbers] = places, turn
 
     def answer(self, across: int) -> Places:
         """The places in rows and columns; -1 where none or in doubt."""
-        lost = self._doubtful | (self.places < 0)
-        rows, cols = np.divmod(self.places, across)
-        columns = (rows, cols, self._turns, self._distances)
-        return Places(*(np.where(lost, -1, a).astype(np.int32) for a in columns))
+        lost = self._doubtful | (self._places < 0)
+        rows, cols = np.divmod(self._places, across)
+        return Places(*(np.where(lost, -1, a).astype(np.int32) for a in (rows, cols, self._turns)))
+
+
+def _weights(b: int, levels: int) -> tuple[U64, U64]:
+    """Weights of a window's rows and columns; their products weigh its cells."""
+    if levels ** (b * b) <= 2**64:
+        powers = [levels**k for k in range(b - 1, -1, -1)]
+        return np.array([p**b for p in powers], np.uint64), np.array(powers, np.uint64)
+    # Odd numbers keep every bit of a level; any fixed random ones do.
+    words = np.random.SeedSequence(0).generate_state(2 * b, np.uint64) | np.uint64(1)
+    return words[:b], words[b:]
+
+
+def _mark(keys: U64) -> NDArray[np.uint32]:
+    """32 well-mixed bits of keys."""
+    mixed = (keys ^ (keys >> np.uint64(31))) * np.uint64(0x9E3779B97F4A7C15)
+    mixed = (mixed ^ (mixed >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
+    return (mixed >> np.uint64(32)).astype(np.uint32)
+
+
+def _longest_run(ordered: NDArray[np.uint32]) -> int:
+    """Length of the longest run of equal numbers."""
+    ends = np.flatnonzero(np.diff(ordered, append=ordered[-1] + np.uint32(1)))
+    return int(np.diff(ends, prepend=-1).max())

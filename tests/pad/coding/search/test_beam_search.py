@@ -11,7 +11,7 @@ from padstudio.pad.coding.search.beam_search import (
     crowd_field,
     openness,
 )
-from padstudio.pad.coding.search.board import board
+from padstudio.pad.coding.search.board import Costs, board, take_symmetric
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
 
 
@@ -24,7 +24,8 @@ def open_windows(taken: np.ndarray, codes: int) -> list[tuple[tuple[int, ...], .
 
 def test_openness_counts_the_ways_on_from_every_open_window() -> None:
     spec = FieldSpec(rows=3, cols=3, window=2, levels=3, distance=1)
-    made = board(spec)
+    made = board(spec, Costs(0, 0))
+    take_symmetric(made)
     windows = open_windows(made.taken, 81)
     assert len(windows) == 81 - 9
     ways = 0

@@ -16,15 +16,17 @@ from padstudio.compiled import jit
 from padstudio.pad.coding.search.board import (
     I16,
     I32,
-    LOW_SIX,
-    ONE,
+    LENGTH,
     U8,
     U64,
     Board,
+    Costs,
     board,
+    is_taken,
+    take_symmetric,
 )
 from padstudio.pad.coding.search.random import random_state
-from padstudio.pad.coding.search.row_search import fill, rule, top_row
+from padstudio.pad.coding.search.row_search import costs, fill, top_row
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
 
 # Boards are copied and judged whole at every row: only small tables and short rows pay.
@@ -56,15 +58,15 @@ def crowd_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple
     field : (rows, cols) uint8
         A field that reached so far.
     """
-    first = board(spec)._replace(state=random_state(spec.seed, stream))
     few = spec.levels ** (spec.window**2) <= _FEW_CODES
-    scarce, bias = (0, 0) if few else rule(spec)
-    offsets = np.empty(spec.window**2 * (spec.levels - 1), np.int64)
+    first = board(spec, Costs(0, 0) if few else costs(spec))
+    first = first._replace(state=random_state(spec.seed, stream))
+    take_symmetric(first)
     left, right = columns(spec.window, spec.levels)
     crowd = [_child(first) for _ in range(width)]
     for member in crowd:
         for row in range(spec.window - 1):
-            top_row(row, member.field, spec.levels, spec.visible_lines, spec.window, first.state)
+            top_row(member, row)
     for row in range(spec.window - 1, spec.rows):
         born: list[tuple[int, Board]] = []
         for member in crowd:
@@ -72,10 +74,7 @@ def crowd_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple
                 return row, crowd[0].field
             for _ in range(_CHILDREN):
                 child = _child(member)
-                if fill(
-                    row, *child[:10], offsets, spec.levels, spec.distance,
-                    spec.visible_lines, scarce, bias, child.state, child.counts,
-                ):  # fmt: skip
+                if fill(child, row):
                     born.append((openness(child.taken, child.free, left, right), child))
         if not born:
             return row, crowd[0].field
@@ -86,7 +85,7 @@ def crowd_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple
 
 def _child(parent: Board) -> Board:
     """A copy that shares with its parent what a row needs for itself alone."""
-    parent.counts[:] = 0
+    parent.counts[LENGTH] = 0
     return parent._replace(
         field=parent.field.copy(), taken=parent.taken.copy(), free=parent.free.copy()
     )
@@ -111,10 +110,10 @@ def openness(taken: U64, free: I16, left: I32, right: I32) -> int:
     upper = len(free)
     followers = np.zeros(upper, np.int64)
     for code in range(len(left)):
-        if not (taken[code >> 6] >> (np.uint64(code) & LOW_SIX)) & ONE:
+        if not is_taken(taken, code):
             followers[left[code]] += 1
     total = 0
     for code in range(len(left)):
-        if not (taken[code >> 6] >> (np.uint64(code) & LOW_SIX)) & ONE:
+        if not is_taken(taken, code):
             total += free[code % upper] * followers[right[code]]
-    return int(total)
+    return total

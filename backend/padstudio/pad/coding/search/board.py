@@ -1,14 +1,4 @@
-"""Growth of a field row by row, over a table of all windows, looking ahead over the whole row.
-
-With the b − 1 rows above given, a new row is a path through a trellis: the state is the last b − 1
-cells, each further cell completes one window, and windows that are taken are closed. The cheapest
-open path is found from right to left (dynamic programming), then walked from left to right while
-its windows are entered. A cell costs the more, the fewer windows are left that could continue
-below it, so that the row after finds its way too; random costs on top make it a random field.
-What the trellis does not see is windows that meet within the row itself, and a row that leaves the
-next one without any open path: there the walk goes back some cells, and after many dead ends at one
-place rows are taken back, by Luby's sequence (Luby, Sinclair, Zuckerman 1993,
-doi:10.1016/0020-0190(93)90029-9).
+"""The state of a search row by row: the field, and a table of all windows that are still allowed.
 
 A window enters with all its turns and everything nearer than the distance to any of them, so that
 one bit of the table tells whether a window is still allowed.
@@ -21,18 +11,26 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import jit
+from padstudio.compiled import inlined_jit, pure_jit
 from padstudio.pad.coding.search.random import random_state
-from padstudio.pad.coding.search.spec import FieldSpec
-
-I64 = NDArray[np.int64]
+from padstudio.pad.coding.search.spec import FieldSpec, Rules
 
 U8 = NDArray[np.uint8]
 U64 = NDArray[np.uint64]
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
+I64 = NDArray[np.int64]
 
-ONE, LOW_SIX = np.uint64(1), np.uint64(63)
+_ONE, _LOW_SIX = np.uint64(1), np.uint64(63)
+# Places in `Board.counts`.
+ROW, LENGTH, FRONTIER, FAILURES, BEST_ROWS, READY = range(6)
+
+
+class Costs(NamedTuple):
+    """What cells cost that leave few windows below (k windows a k-th of it), or break the bias."""
+
+    scarce: int
+    bias: int
 
 
 class Board(NamedTuple):
@@ -43,6 +41,7 @@ class Board(NamedTuple):
 
     Attributes
     ----------
+    rules, costs
     field : (rows, cols) uint8
     taken : (Y^b² / 64,) uint64
         One bit a code: 1 where the window is not allowed.
@@ -61,33 +60,45 @@ class Board(NamedTuple):
     reach : (across + 1, Y^(b − 1)) uint8
         Which states the row below can have.
     best : (rows, cols) uint8
+        The field as it was when most rows were filled.
+    changes : (b² (Y − 1),) int64
+        Scratch: what changes of one cell add to a code.
+    stack : (2, distance) int64
+        Scratch: codes on the way to a near one, and the next change of each.
     state : (1,) uint64
         Random state.
-    counts : (5,) int64
-        Row in work, journal length, frontier row, failures there, rows of ``best``.
+    counts : (6,) int64
+        Row in work, length of the journal, the row most filled since all rows were taken back,
+        failures there, rows of ``best``, whether `take_symmetric` is done.
     """
 
-    field: NDArray[np.uint8]
-    taken: NDArray[np.uint64]
-    free: NDArray[np.int16]
+    rules: Rules
+    costs: Costs
+    field: U8
+    taken: U64
+    free: I16
     turned: I64
-    journal: NDArray[np.int32]
+    journal: I32
     starts: I64
     lines: I64
-    value: NDArray[np.int32]
-    choice: NDArray[np.uint8]
-    reach: NDArray[np.uint8]
-    best: NDArray[np.uint8]
-    state: NDArray[np.uint64]
+    value: I32
+    choice: U8
+    reach: U8
+    best: U8
+    changes: I64
+    stack: I64
+    state: U64
     counts: I64
 
 
-def board(spec: FieldSpec) -> Board:
-    """An empty board for a spec, symmetric windows taken."""
+def board(spec: FieldSpec, costs: Costs) -> Board:
+    """An empty board for a spec."""
     b, levels = spec.window, spec.levels
     codes = levels ** (b * b)
     across = spec.cols - b + 1
-    made = Board(
+    return Board(
+        rules=spec.rules,
+        costs=costs,
         field=np.zeros((spec.rows, spec.cols), np.uint8),
         taken=np.zeros(codes // 64 + 1, np.uint64),
         free=np.full(levels ** (b * b - b), levels**b, np.int16),
@@ -99,12 +110,11 @@ def board(spec: FieldSpec) -> Board:
         choice=np.zeros((across, levels ** (b - 1)), np.uint8),
         reach=np.zeros((across + 1, levels ** (b - 1)), np.uint8),
         best=np.zeros((spec.rows, spec.cols), np.uint8),
+        changes=np.zeros(b * b * (levels - 1), np.int64),
+        stack=np.zeros((2, spec.distance), np.int64),
         state=random_state(spec.seed),
-        counts=np.zeros(5, np.int64),
+        counts=np.zeros(6, np.int64),
     )
-    if spec.turns == 4:
-        _take_symmetric(made.taken, made.free, made.turned, made.journal, levels, spec.distance)
-    return made
 
 
 def _turned_lines(b: int, levels: int, turns: int) -> I64:
@@ -114,91 +124,96 @@ def _turned_lines(b: int, levels: int, turns: int) -> I64:
     return np.stack([np.rot90(weights, -t) @ digits for t in range(turns)]).astype(np.int64)
 
 
-@jit
-def take_run(
-    base: int, offsets: I64, first: int, taken: U64, free: I16, per: int, journal: I32, length: int
-) -> int:
-    """Take the codes base + offset, offsets from ``first`` on; return the journal's new length."""
-    for k in range(first, len(offsets)):
-        code = base + int(offsets[k])
-        word, bit = taken[code >> 6], ONE << (np.uint64(code) & LOW_SIX)
-        if word & bit == 0:
-            taken[code >> 6] = word | bit
-            free[code // per] -= 1
-            journal[length] = code
-            length += 1
-    return length
+@inlined_jit
+def is_taken(taken: U64, code: int) -> bool:
+    """Whether a window is not allowed."""
+    return bool((taken[code >> 6] >> (np.uint64(code) & _LOW_SIX)) & _ONE)
 
 
-@jit
-def give_back(first: int, length: int, taken: U64, free: I16, per: int, journal: I32) -> None:
-    """Undo the journal from an entry on."""
-    for k in range(first, length):
-        code = int(journal[k])
-        taken[code >> 6] &= ~(ONE << (np.uint64(code) & LOW_SIX))
-        free[code // per] += 1
+@inlined_jit
+def take(board: Board, code: int) -> None:
+    """Take a code, and note it in the journal, where it is not taken."""
+    taken, counts = board.taken, board.counts
+    word, bit = taken[code >> 6], _ONE << (np.uint64(code) & _LOW_SIX)
+    if word & bit == 0:
+        taken[code >> 6] = word | bit
+        board.free[code // board.turned.shape[2]] -= 1
+        board.journal[counts[LENGTH]] = code
+        counts[LENGTH] += 1
 
 
-@jit
-def _changes(code: int, levels: int, offsets: I64) -> None:
-    """What each other level of each cell, the last cell first, would add to a code."""
-    weight, k = 1, 0
-    while k < len(offsets):
+@pure_jit
+def _take_changed(board: Board, code: int, first: int) -> None:
+    """Take the codes that the changes from ``first`` on make of a code."""
+    for k in range(first, len(board.changes)):
+        take(board, code + board.changes[k])
+
+
+@inlined_jit
+def _give(board: Board, code: int) -> None:
+    """Allow a window again."""
+    board.taken[code >> 6] &= ~(_ONE << (np.uint64(code) & _LOW_SIX))
+    board.free[code // board.turned.shape[2]] += 1
+
+
+@pure_jit
+def give_back(board: Board, length: int) -> None:
+    """Undo the journal down to a length."""
+    for k in range(length, board.counts[LENGTH]):
+        _give(board, board.journal[k])
+    board.counts[LENGTH] = length
+
+
+@pure_jit
+def _find_changes(board: Board, code: int) -> None:
+    """Enter what each other level of each cell, the last cell first, would add to a code."""
+    levels, weight, k = board.rules.levels, 1, 0
+    while k < len(board.changes):
         digit = code // weight % levels
         for level in range(levels):
             if level != digit:
-                offsets[k] = (level - digit) * weight
+                board.changes[k] = (level - digit) * weight
                 k += 1
         weight *= levels
 
 
-@jit
-def take_near(
-    code: int,
-    depth: int,
-    levels: int,
-    offsets: I64,
-    taken: U64,
-    free: I16,
-    per: int,
-    journal: I32,
-    length: int,
-) -> int:
-    """Take all codes that differ from one in 1 … depth cells; return the journal's new length.
+@pure_jit
+def take_near(board: Board, code: int, depth: int) -> None:
+    """Take all codes that differ from one in 1 … depth cells; depth is below the distance.
 
     A stack, because Numba cannot load recursive functions from its cache.
     """
     if depth == 0:
-        return length
-    _changes(code, levels, offsets)
-    bases, at = np.zeros(depth, np.int64), np.zeros(depth, np.int64)
-    bases[0] = code
-    length = take_run(code, offsets, 0, taken, free, per, journal, length)
+        return
+    _find_changes(board, code)
+    changes, others = board.changes, board.rules.levels - 1
+    codes, at = board.stack[0], board.stack[1]
+    codes[0], at[0] = code, 0
+    _take_changed(board, code, 0)
     level = 0
     while level >= 0:
-        if level == depth - 1 or at[level] == len(offsets):
+        if level == depth - 1 or at[level] == len(changes):
             level -= 1
             continue
-        bases[level + 1] = bases[level] + offsets[at[level]]
+        codes[level + 1] = codes[level] + changes[at[level]]
         at[level] += 1
         # A cell is changed once: go on with the first change of the next cell.
-        at[level + 1] = (at[level] + levels - 2) // (levels - 1) * (levels - 1)
+        at[level + 1] = (at[level] + others - 1) // others * others
         level += 1
-        length = take_run(bases[level], offsets, at[level], taken, free, per, journal, length)
-    return length
+        _take_changed(board, codes[level], at[level])
 
 
-@jit
+@pure_jit
 def _turn(code: int, turn: int, turned: I64) -> int:
     """The code of the turned window."""
     out = 0
     for row in range(turned.shape[1] - 1, -1, -1):
-        out += int(turned[turn, row, code % turned.shape[2]])
+        out += turned[turn, row, code % turned.shape[2]]
         code //= turned.shape[2]
     return out
 
 
-@jit
+@pure_jit
 def _differing(one: int, other: int, levels: int) -> int:
     """In how many cells two windows differ."""
     cells = 0
@@ -210,34 +225,33 @@ def _differing(one: int, other: int, levels: int) -> int:
     return cells
 
 
-@jit
-def _take_symmetric(
-    taken: U64, free: I16, turned: I64, journal: I32, levels: int, distance: int
-) -> None:
-    """Take all windows nearer than the distance to themselves turned.
+@pure_jit
+def take_symmetric(board: Board) -> None:
+    """Take for good, once, all windows nearer than the distance to themselves turned.
 
     A half turn pairs cells, so k pairs that differ are mended by k changes and cost 2 k. A quarter
     turn within less than the distance is within ``distance - 1`` changes of a window that it
     leaves as it is; of these too many are taken first, then given back.
     """
-    b, per = turned.shape[1], turned.shape[2]
-    size, odd = b * b, levels if b % 2 else 1
-    offsets, centre = np.empty(size * (levels - 1), np.int64), np.zeros(1, np.int64)
-    length = 0
+    rules, turned = board.rules, board.turned
+    if board.counts[READY] or rules.turns < 4:
+        return
+    levels, size = rules.levels, rules.window**2
+    odd = levels if rules.window % 2 else 1
     for upper in range(levels ** ((size + 1) // 2)):
         code, rest = upper, upper // odd
         for _ in range(size // 2):
             code = code * levels + rest % levels
             rest //= levels
-        quarter = distance > 2 and _turn(code, 1, turned) == code
-        depth = distance - 1 if quarter else (distance - 1) // 2
-        length = take_run(code, centre, 0, taken, free, per, journal, length)
-        length = take_near(code, depth, levels, offsets, taken, free, per, journal, length)
-    for k in range(length):
-        code = int(journal[k])
-        quarter_turn, half_turn = _turn(code, 1, turned), _turn(code, 2, turned)
-        if (
-            min(_differing(code, quarter_turn, levels), _differing(code, half_turn, levels))
-            >= distance
-        ):
-            give_back(k, k + 1, taken, free, per, journal)
+        quarter = rules.distance > 2 and _turn(code, 1, turned) == code
+        take(board, code)
+        take_near(board, code, rules.distance - 1 if quarter else (rules.distance - 1) // 2)
+    for k in range(board.counts[LENGTH]):
+        code = board.journal[k]
+        nearest = min(
+            _differing(code, _turn(code, 1, turned), levels),
+            _differing(code, _turn(code, 2, turned), levels),
+        )
+        if nearest >= rules.distance:
+            _give(board, code)
+    board.counts[LENGTH], board.counts[READY] = 0, 1

@@ -5,7 +5,7 @@
 3. Down: one random row of b cells at a time; each completes one window.
 4. The rest in reading order, one random cell at a time; each completes one window.
 
-Whatever is added is drawn again where its window is not allowed (see `chains`).
+Whatever is added is drawn again where its window is not allowed (see `hash_chains`).
 
 In the paper a dead end starts again from a new block. A field of millions of windows meets dead
 ends however many windows there are; where the method is free, some steps are taken back instead.
@@ -18,20 +18,16 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import jit
+from padstudio.compiled import pure_jit
 from padstudio.pad.coding.search.hash_chains import (
+    Placed,
     allowed,
-    chains,
     displace,
+    nothing_placed,
     place,
-    read_window,
 )
-from padstudio.pad.coding.search.random import draw, random_state
+from padstudio.pad.coding.search.random import draw
 from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
-
-U8 = NDArray[np.uint8]
-I32 = NDArray[np.int32]
-U64 = NDArray[np.uint64]
 
 # Draws of a whole row or column of b cells before it counts as a dead end.
 _DRAWS = 256
@@ -41,20 +37,11 @@ _PATIENCE = 64
 _STEPS = 20_000
 
 
-@jit
-def take_back(field: U8, step: int, until: int, b: int, turns: int, heads: I32, links: I32) -> None:
-    """Undo the steps ``until`` … ``step`` − 1, the last first."""
-    down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
-    cells = np.zeros((turns, b * b), np.uint8)
-    for undone in range(step - 1, until - 1, -1):
-        row, col = _window_of(undone, down, across)
-        read_window(field, row, col, b, turns, cells)
-        displace(row, col, across, heads, links, cells)
-
-
-@jit
-def _window_of(step: int, down: int, across: int) -> tuple[int, int]:
+@pure_jit
+def _window_of(placed: Placed, step: int) -> tuple[int, int]:
     """Row and column of the window that a step completes."""
+    rows, cols = placed.field.shape
+    down, across = rows - placed.rules.window + 1, cols - placed.rules.window + 1
     if step < across:
         return 0, step
     if step < across + down - 1:
@@ -63,74 +50,40 @@ def _window_of(step: int, down: int, across: int) -> tuple[int, int]:
     return 1 + rest // (across - 1), 1 + rest % (across - 1)
 
 
-@jit
-def _extend(
-    field: U8,
-    row: int,
-    col: int,
-    top: int,
-    left: int,
-    b: int,
-    levels: int,
-    distance: int,
-    visible: bool,
-    heads: I32,
-    links: I32,
-    cells: U8,
-    state: U64,
-) -> bool:
-    """Draw the cells from (top, left) to the end of the window at (row, col) until it is allowed.
+@pure_jit
+def _extend(placed: Placed, row: int, col: int) -> bool:
+    """Draw the cells that the window at (row, col) lacks until it is allowed, and place it.
 
     A single cell is tried at every level once, in turn from a random one.
     """
-    tries = levels if top == row + b - 1 and left == col + b - 1 else _DRAWS
-    first = draw(state, levels)
+    b, levels = placed.rules.window, placed.rules.levels
+    top, left = row + b - 1 if row else 0, col + b - 1 if col else 0
+    tries = levels if row and col else _DRAWS
+    first = draw(placed.state, levels)
     for attempt in range(tries):
         for i in range(top, row + b):
             for j in range(left, col + b):
-                field[i, j] = (first + attempt) % levels if tries == levels else draw(state, levels)
-        if allowed(field, row, col, b, distance, visible, heads, links, cells):
-            place(row, col, field.shape[1] - b + 1, heads, links, cells)
+                level = (first + attempt) % levels
+                placed.field[i, j] = level if tries == levels else draw(placed.state, levels)
+        if allowed(placed, row, col):
+            place(placed, row, col)
             return True
     return False
 
 
-@jit
-def grow(
-    field: U8,
-    first: int,
-    last: int,
-    b: int,
-    levels: int,
-    turns: int,
-    distance: int,
-    visible: bool,
-    heads: I32,
-    links: I32,
-    state: U64,
-) -> int:
+@pure_jit
+def grow(placed: Placed, first: int, last: int) -> int:
     """Take growth steps first … last − 1; return the step that dead-ended, or ``last``.
 
-    Parameters
-    ----------
-    field : (rows, cols) uint8
-        Grown in place; every step completes one window, steps in the order of the module's list.
-    turns : int
-        4 where windows must differ in all turns, else 1.
-    heads, links : int32 arrays
-        Of `Chains`, with ``distance`` parts.
-    state : (1,) uint64
-        Random state.
+    Every step completes one window, in the order of the module's list. From ``first`` to a lesser
+    ``last``, steps are undone.
     """
-    down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
-    cells = np.zeros((turns, b * b), np.uint8)
+    for step in range(first - 1, last - 1, -1):
+        row, col = _window_of(placed, step)
+        displace(placed, row, col)
     for step in range(first, last):
-        row, col = _window_of(step, down, across)
-        top = row + b - 1 if row else 0
-        left = col + b - 1 if col else 0
-        if not _extend(
-            field, row, col, top, left, b, levels, distance, visible, heads, links, cells, state
-        ):
+        row, col = _window_of(placed, step)
+        if not _extend(placed, row, col):
             return step
     return last
 
@@ -165,30 +118,23 @@ def grow_field(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
 
 def _attempt(spec: FieldSpec, stream: int, watch: Watch) -> tuple[NDArray[np.uint8], int, bool]:
     """A field, the steps that it completed, and whether time is spent."""
-    field = np.zeros((spec.rows, spec.cols), np.uint8)
-    placed = chains(spec.windows, spec.distance)
-    state = random_state(spec.seed, stream)
+    placed = nothing_placed(spec, stream)
     step, farthest, dead_ends = 0, 0, 0
     patience = 0 if spec.method == "growth" else _PATIENCE
     while True:
         last = min(step + _STEPS, spec.windows)
-        step = grow(
-            field, step, last, spec.window, spec.levels, spec.turns, spec.distance,
-            spec.visible_lines, placed.heads, placed.links, state,
-        )  # fmt: skip
+        step = grow(placed, step, last)
         spent = watch.spent(step / spec.windows)
         if step == spec.windows or spent:
-            return field, step, spent
+            return placed.field, step, spent
         if step == last:
             continue
         if step > farthest:
             farthest, dead_ends = step, 0
         if dead_ends == patience:
-            return field, step, False
+            return placed.field, step, False
         dead_ends += 1
-        until = max(0, step - spec.window * (dead_ends & -dead_ends))
-        take_back(field, step, until, spec.window, spec.turns, placed.heads, placed.links)
-        step = until
+        step = grow(placed, step, max(0, step - spec.window * (dead_ends & -dead_ends)))
 
 
 def _whole_rows(

@@ -2,7 +2,7 @@
 
 Windows are looked up in chains over parts of a window: of two windows nearer than d, at least one
 of d disjoint parts is equal (pigeonhole), so one chain a part finds every near window without a
-table of all windows.
+table of all windows (multi-index hashing, as in `padstudio.pad.coding.verify`).
 """
 
 from __future__ import annotations
@@ -12,56 +12,85 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import jit
+from padstudio.compiled import pure_jit
+from padstudio.pad.coding.search.random import random_state
+from padstudio.pad.coding.search.spec import FieldSpec, Rules
 
-U8 = NDArray[np.uint8]
-I32 = NDArray[np.int32]
-
+# The numbers of FNV-1a with 64 bits (Fowler, Noll, Vo).
 _PRIME = np.uint64(0x100000001B3)
 _OFFSET = np.uint64(0xCBF29CE484222325)
+# It mixes upward only, and buckets are told by the lower bits: fold the upper ones in.
 _S29, _S32 = np.uint64(29), np.uint64(32)
 
 
-class Chains(NamedTuple):
-    """The windows placed so far: per part, hash heads and links of window numbers, -1 for none."""
+class Placed(NamedTuple):
+    """A field in growth, and the windows placed in it.
 
+    Attributes
+    ----------
+    rules
+    field : (rows, cols) uint8
+    heads : (distance, buckets) int32
+        Per part and bucket, the number of the window placed last; -1 for none.
+    links : (distance, windows) int32
+        Per part, the window that was in the bucket before; -1 for none.
+    cells : (turns, b²) uint8
+        Scratch: the window in work, one line a counter-clockwise turn.
+    state : (1,) uint64
+        Random state.
+    """
+
+    rules: Rules
+    field: NDArray[np.uint8]
     heads: NDArray[np.int32]
     links: NDArray[np.int32]
+    cells: NDArray[np.uint8]
+    state: NDArray[np.uint64]
 
 
-def chains(windows: int, parts: int) -> Chains:
-    """Empty chains for a number of windows, one chain system a part."""
-    size = 1 << max(4, int(windows - 1).bit_length())
-    return Chains(np.full((parts, size), -1, np.int32), np.full((parts, windows), -1, np.int32))
+def nothing_placed(spec: FieldSpec, stream: int) -> Placed:
+    """An empty field, and the random stream of the seed that it is grown from."""
+    size = 1 << max(4, int(spec.windows - 1).bit_length())
+    return Placed(
+        rules=spec.rules,
+        field=np.zeros((spec.rows, spec.cols), np.uint8),
+        heads=np.full((spec.distance, size), -1, np.int32),
+        links=np.full((spec.distance, spec.windows), -1, np.int32),
+        cells=np.zeros((spec.turns, spec.window**2), np.uint8),
+        state=random_state(spec.seed, stream),
+    )
 
 
-@jit
-def read_window(field: U8, row: int, col: int, b: int, turns: int, cells: U8) -> None:
-    """Copy the window at (row, col) into cells (turns, b²), one line a counter-clockwise turn."""
+@pure_jit
+def _read(placed: Placed, row: int, col: int) -> None:
+    """Copy the window at (row, col) into ``cells``."""
+    cells, b = placed.cells, placed.rules.window
     last = b - 1
     for i in range(b):
         for j in range(b):
-            level = field[row + i, col + j]
+            level = placed.field[row + i, col + j]
             cells[0, i * b + j] = level
-            if turns == 4:
+            if len(cells) == 4:
                 cells[1, (last - j) * b + i] = level
                 cells[2, (last - i) * b + last - j] = level
                 cells[3, j * b + last - i] = level
 
 
-@jit
-def bucket(cells: U8, turn: int, part: int, parts: int, mask: int) -> int:
-    """Hash of every ``parts``-th cell of a turned window, from cell ``part`` on."""
+@pure_jit
+def _bucket(placed: Placed, turn: int, part: int) -> int:
+    """Hash of a part of the window in work: every ``distance``-th cell, from cell ``part`` on."""
+    parts, buckets = placed.heads.shape
     h = _OFFSET
-    for k in range(part, cells.shape[1], parts):
-        h = (h ^ np.uint64(cells[turn, k])) * _PRIME
+    for k in range(part, placed.cells.shape[1], parts):
+        h = (h ^ np.uint64(placed.cells[turn, k])) * _PRIME
         h ^= h >> _S29
-    return int(np.int64((h ^ (h >> _S32)) & np.uint64(mask)))
+    return int(np.int64((h ^ (h >> _S32)) & np.uint64(buckets - 1)))
 
 
-@jit
-def _lines_visible(cells: U8, b: int) -> bool:
-    """Whether each inner grid line of the upright window has a level change across it."""
+@pure_jit
+def _lines_visible(placed: Placed) -> bool:
+    """Whether each inner grid line of the window in work has a level change across it."""
+    cells, b = placed.cells, placed.rules.window
     for line in range(1, b):
         across_row, across_col = False, False
         for k in range(b):
@@ -74,67 +103,68 @@ def _lines_visible(cells: U8, b: int) -> bool:
     return True
 
 
-@jit
-def _nearer(cells: U8, turn: int, field: U8, row: int, col: int, b: int, distance: int) -> bool:
-    """Whether a turned window is nearer than ``distance`` to the window of the field at a place."""
+@pure_jit
+def _near(placed: Placed, turn: int, number: int) -> bool:
+    """Whether the window in work, turned, is nearer than the distance to a placed one."""
+    cells, b = placed.cells, placed.rules.window
+    across = placed.field.shape[1] - b + 1
+    row, col = number // across, number % across
     differing = 0
     for i in range(b):
         for j in range(b):
-            if cells[turn, i * b + j] != field[row + i, col + j]:
+            if cells[turn, i * b + j] != placed.field[row + i, col + j]:
                 differing += 1
-                if differing >= distance:
+                if differing >= placed.rules.distance:
                     return False
     return True
 
 
-@jit
-def allowed(
-    field: U8,
-    row: int,
-    col: int,
-    b: int,
-    distance: int,
-    visible: bool,
-    heads: I32,
-    links: I32,
-    cells: U8,
-) -> bool:
-    """Whether the window at (row, col) may stand beside all windows placed; fills ``cells``."""
-    turns, size, mask = cells.shape[0], b * b, heads.shape[1] - 1
-    across = field.shape[1] - b + 1
-    read_window(field, row, col, b, turns, cells)
-    if visible and not _lines_visible(cells, b):
-        return False
-    for turn in range(1, min(turns, 3)):
+@pure_jit
+def _near_itself(placed: Placed) -> bool:
+    """Whether the window in work is nearer than the distance to itself turned."""
+    cells = placed.cells
+    for turn in range(1, min(len(cells), 3)):
         differing = 0
-        for k in range(size):
+        for k in range(cells.shape[1]):
             if cells[turn, k] != cells[0, k]:
                 differing += 1
-        if differing < distance:
-            return False
-    for turn in range(turns):
-        for part in range(distance):
-            other = int(heads[part, bucket(cells, turn, part, distance, mask)])
+        if differing < placed.rules.distance:
+            return True
+    return False
+
+
+@pure_jit
+def allowed(placed: Placed, row: int, col: int) -> bool:
+    """Whether the window at (row, col) may stand beside all windows placed; it is then in work."""
+    _read(placed, row, col)
+    if placed.rules.visible_lines and not _lines_visible(placed):
+        return False
+    if _near_itself(placed):
+        return False
+    for turn in range(len(placed.cells)):
+        for part in range(placed.rules.distance):
+            other = placed.heads[part, _bucket(placed, turn, part)]
             while other >= 0:
-                if _nearer(cells, turn, field, other // across, other % across, b, distance):
+                if _near(placed, turn, other):
                     return False
-                other = int(links[part, other])
+                other = placed.links[part, other]
     return True
 
 
-@jit
-def place(row: int, col: int, across: int, heads: I32, links: I32, cells: U8) -> None:
-    """Enter the upright window of ``cells``, which stands at (row, col), into the chains."""
-    parts, mask, number = heads.shape[0], heads.shape[1] - 1, row * across + col
-    for part in range(parts):
-        at = bucket(cells, 0, part, parts, mask)
-        links[part, number] = heads[part, at]
-        heads[part, at] = number
+@pure_jit
+def place(placed: Placed, row: int, col: int) -> None:
+    """Enter the window in work, which stands at (row, col), into the chains."""
+    number = row * (placed.field.shape[1] - placed.rules.window + 1) + col
+    for part in range(len(placed.heads)):
+        at = _bucket(placed, 0, part)
+        placed.links[part, number] = placed.heads[part, at]
+        placed.heads[part, at] = number
 
 
-@jit
-def displace(row: int, col: int, across: int, heads: I32, links: I32, cells: U8) -> None:
-    """Undo `place` of the window placed last, of which ``cells`` are."""
-    parts, mask = heads.shape[0], heads.shape[1] - 1
-    for part in range(parts):
-        heads[part, bucket(cells, 0, part, parts, mask)] = links[part, row * across + col]
+@pure_jit
+def displace(placed: Placed, row: int, col: int) -> None:
+    """Undo `place` of the window placed last, at (row, col)."""
+    number = row * (placed.field.shape[1] - placed.rules.window + 1) + col
+    _read(placed, row, col)
+    for part in range(len(placed.heads)):
+        placed.heads[part, _bucket(placed, 0, part)] = placed.links[part, number]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import jit
+from padstudio.compiled import pure_jit
 
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -13,7 +13,7 @@ _MIX_2 = np.uint64(0x94D049BB133111EB)
 _S27, _S30, _S31, _S33 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(33)
 
 
-@jit
+@pure_jit
 def draw(state: NDArray[np.uint64], below: int) -> int:
     """A number 0 … below − 1; the stream depends on ``state`` (1,) alone, on every platform.
 

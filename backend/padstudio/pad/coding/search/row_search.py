@@ -1,15 +1,31 @@
-"""The search over the rows of a board (see `rows`): fill a row, take rows back."""
+"""Growth of a field row by row, over a table of all windows, looking ahead over the whole row.
+
+Each row is a path through a trellis (`padstudio.pad.coding.search.trellis`). Where a row dead-ends
+the walk goes back some cells, and after many dead ends at one place rows are taken back: how many
+goes by Luby's sequence (Luby, Sinclair, Zuckerman, "Optimal speedup of Las Vegas algorithms", Inf.
+Process. Lett. 47, 1993, doi:10.1016/0020-0190(93)90029-9).
+"""
 
 from __future__ import annotations
 
-import numpy as np
-
-from padstudio.compiled import jit
-from padstudio.pad.coding.search.board import I16, I32, I64, U8, U64, board, give_back
+from padstudio.compiled import pure_jit
+from padstudio.pad.coding.search.board import (
+    BEST_ROWS,
+    FAILURES,
+    FRONTIER,
+    LENGTH,
+    ROW,
+    U8,
+    Board,
+    Costs,
+    board,
+    give_back,
+    take_symmetric,
+)
 from padstudio.pad.coding.search.bounds import bounds, ruled_out
 from padstudio.pad.coding.search.random import draw
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
-from padstudio.pad.coding.search.trellis import start, sweep, walk
+from padstudio.pad.coding.search.trellis import find_paths, start, walk
 
 # Cost of a cell below which one window is left; k windows cost a k-th of it. Random costs are 0 …
 # 63 a cell.
@@ -25,147 +41,101 @@ _ROW_TRIES = 64
 _CODES = 50_000
 
 
-@jit
-def _read_lines(row: int, field: U8, lines: I64, levels: int) -> None:
+@pure_jit
+def _read_lines(board: Board, row: int) -> None:
     """Enter the lines of the b - 1 rows above one."""
-    b = lines.shape[0]
-    per = levels**b
+    b, levels, per = board.rules.window, board.rules.levels, board.turned.shape[2]
     for i in range(b - 1):
         line = 0
-        for col in range(field.shape[1]):
-            line = (line * levels + field[row - b + 1 + i, col]) % per
+        for col in range(board.field.shape[1]):
+            line = (line * levels + board.field[row - b + 1 + i, col]) % per
             if col >= b - 1:
-                lines[i, col - b + 1] = line
+                board.lines[i, col - b + 1] = line
 
 
-@jit
-def fill(
-    row: int,
-    field: U8,
-    taken: U64,
-    free: I16,
-    turned: I64,
-    journal: I32,
-    starts: I64,
-    lines: I64,
-    value: I32,
-    choice: U8,
-    reach: U8,
-    offsets: I64,
-    levels: int,
-    distance: int,
-    visible: bool,
-    scarce: int,
-    bias: int,
-    state: U64,
-    counts: I64,
-) -> bool:
+@pure_jit
+def fill(board: Board, row: int) -> bool:
     """Fill a row below b - 1 others, or leave it as it was."""
-    b, across = lines.shape
-    per = value.shape[1] * levels
-    _read_lines(row, field, lines, levels)
+    b, across = board.lines.shape
+    _read_lines(board, row)
     number = (row - b + 1) * across
-    starts[number] = counts[1]
+    board.starts[number] = board.counts[LENGTH]
     first, last, farthest, tries = 0, across, -1, 0
     while tries < _ROW_TRIES:
-        sweep(
-            first, last, row, field, taken, free, lines, value, choice, levels, visible, scarce,
-            bias, state,
-        )  # fmt: skip
-        if first == 0 and not start(row, field, value, levels, visible, b):
+        find_paths(board, row, first, last)
+        if first == 0 and not start(board, row):
             break
-        reached = walk(
-            first, row, field, taken, free, turned, journal, starts, lines, value, choice, reach,
-            offsets, levels, distance, counts,
-        )  # fmt: skip
+        reached = walk(board, row, first)
         if reached == across:
-            starts[number + across] = counts[1]
+            board.starts[number + across] = board.counts[LENGTH]
             return True
         if reached > farthest:
             farthest, tries = reached, 0
         tries += 1
         first = max(0, reached - b * (tries & -tries))
         last = min(across, reached + 2 * b)
-        give_back(starts[number + first], counts[1], taken, free, per, journal)
-        counts[1] = starts[number + first]
-    give_back(starts[number], counts[1], taken, free, per, journal)
-    counts[1] = starts[number]
+        give_back(board, board.starts[number + first])
+    give_back(board, board.starts[number])
     return False
 
 
-@jit
-def top_row(row: int, field: U8, levels: int, visible: bool, b: int, state: U64) -> None:
+@pure_jit
+def top_row(board: Board, row: int) -> None:
     """Fill a row that completes no window."""
+    field, levels = board.field, board.rules.levels
     run = 0
     for col in range(field.shape[1]):
-        field[row, col] = draw(state, levels)
-        if visible and row:
+        field[row, col] = draw(board.state, levels)
+        if board.rules.visible_lines and row:
             run = run + 1 if field[row, col] == field[row - 1, col] else 0
-            if run == b:
+            if run == board.rules.window:
                 field[row, col] = (field[row, col] + 1) % levels
                 run = 0
 
 
-@jit
-def search(
-    field: U8,
-    taken: U64,
-    free: I16,
-    turned: I64,
-    journal: I32,
-    starts: I64,
-    lines: I64,
-    value: I32,
-    choice: U8,
-    reach: U8,
-    best: U8,
-    state: U64,
-    counts: I64,
-    levels: int,
-    distance: int,
-    visible: bool,
-    scarce: int,
-    bias: int,
-    fills: int,
-) -> int:
+@pure_jit
+def search(board: Board, fills: int) -> int:
     """Try to fill a number of rows, taking rows back on failure; return the row in work."""
-    b, across = lines.shape
-    per = levels**b
-    offsets = np.empty(b * b * (levels - 1), np.int64)
+    b, counts = board.rules.window, board.counts
+    take_symmetric(board)
     for _ in range(fills):
-        row = counts[0]
-        if row == field.shape[0]:
+        row = counts[ROW]
+        if row == len(board.field):
             break
         if row < b - 1:
-            top_row(row, field, levels, visible, b, state)
-            counts[0] += 1
-        elif fill(
-            row, field, taken, free, turned, journal, starts, lines, value, choice, reach, offsets,
-            levels, distance, visible, scarce, bias, state, counts,
-        ):  # fmt: skip
-            counts[0] += 1
-            if row >= counts[2]:
-                counts[2], counts[3] = row + 1, 0
+            top_row(board, row)
+            counts[ROW] += 1
+        elif fill(board, row):
+            counts[ROW] += 1
+            if row >= counts[FRONTIER]:
+                counts[FRONTIER], counts[FAILURES] = row + 1, 0
         else:
-            if row > counts[4]:
-                counts[4] = row
-                best[:row] = field[:row]
-            counts[3] += 1
-            back = row - (counts[3] & -counts[3])
-            if back < b - 1:
-                back, counts[2], counts[3] = 0, 0, 0
-            counts[0] = back
-            window = max(0, back - b + 1) * across
-            give_back(starts[window], counts[1], taken, free, per, journal)
-            counts[1] = starts[window]
-    return int(counts[0])
+            _step_back(board, row)
+    return int(counts[ROW])
 
 
-def rule(spec: FieldSpec) -> tuple[int, int]:
-    """Costs of scarce and of biased cells for a spec."""
+@pure_jit
+def _step_back(board: Board, row: int) -> None:
+    """Take rows back where one cannot be filled, the more, the oftener that was so."""
+    counts, top = board.counts, board.rules.window - 1
+    if row > counts[BEST_ROWS]:
+        counts[BEST_ROWS] = row
+        for i in range(row):
+            for j in range(board.field.shape[1]):
+                board.best[i, j] = board.field[i, j]
+    counts[FAILURES] += 1
+    back = row - (counts[FAILURES] & -counts[FAILURES])
+    if back < top:
+        back, counts[FRONTIER], counts[FAILURES] = 0, 0, 0
+    counts[ROW] = back
+    give_back(board, board.starts[max(0, back - top) * board.lines.shape[1]])
+
+
+def costs(spec: FieldSpec) -> Costs:
+    """Costs of cells for a spec."""
     if bounds(spec).outlook == "easy" or spec.cols > _SHORT_ROW:
-        return _SCARCE, 0
-    return _SCARCE_TIGHT, _BIAS if spec.distance == 1 else _BIAS_AT_DISTANCE
+        return Costs(_SCARCE, 0)
+    return Costs(_SCARCE_TIGHT, _BIAS if spec.distance == 1 else _BIAS_AT_DISTANCE)
 
 
 class RowSearch:
@@ -181,8 +151,7 @@ class RowSearch:
 
     def __init__(self, spec: FieldSpec) -> None:
         self._spec = spec
-        self._board = board(spec)
-        self._costs = rule(spec)
+        self._board = board(spec, costs(spec))
         codes = spec.cols * spec.turns * ruled_out(spec)
         self._fills = max(1, _CODES // codes)
         self.reached, self.best = 0, self._board.field
@@ -191,10 +160,8 @@ class RowSearch:
         """Search on for a number of rounds; true once it is whole, or time is spent."""
         spec, made = self._spec, self._board
         for _ in range(rounds):
-            row = search(
-                *made, spec.levels, spec.distance, spec.visible_lines, *self._costs, self._fills
-            )
-            deepest = int(made.counts[4])
+            row = search(made, self._fills)
+            deepest = int(made.counts[BEST_ROWS])
             self.reached, self.best = max((row, made.field), (deepest, made.best), key=_rows)
             if row == spec.rows or watch.spent(row / spec.rows):
                 return True

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import monotonic
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,25 @@ from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
 
 Unique = Literal["rotation", "plain"]
 Method = Literal["auto", "growth"]
+
+
+class Rules(NamedTuple):
+    """What the windows of a field must keep to, for compiled loops.
+
+    Attributes
+    ----------
+    window, levels, distance : int
+        b, Y and the least distance.
+    turns : int
+        In how many turns windows must differ: 4 or 1.
+    visible_lines : bool
+    """
+
+    window: int
+    levels: int
+    distance: int
+    turns: int
+    visible_lines: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +105,11 @@ class FieldSpec:
     def turns(self) -> int:
         """In how many turns windows must differ: 4 or 1."""
         return 4 if self.unique == "rotation" else 1
+
+    @property
+    def rules(self) -> Rules:
+        """What compiled loops need to know of the spec."""
+        return Rules(self.window, self.levels, self.distance, self.turns, self.visible_lines)
 
     @property
     def windows(self) -> int:
