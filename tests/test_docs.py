@@ -3,10 +3,9 @@
 import re
 
 import pytest
-import typer.main
 from places import ROOT
 
-from padstudio.cli.program import app
+from padstudio.cli import program
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.stage.detection import Detection
@@ -15,7 +14,7 @@ from padstudio.vision.stage.trace import STAGES, Reason, StageFailure
 CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
 ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-COMMANDS = typer.main.get_command(app).commands
+COMMANDS = {name: program.load(name) for name in program.COMMANDS}
 OPTIONS = [
     (name, option)
     for name, command in COMMANDS.items()

@@ -9,16 +9,13 @@ from measure_print import make_pad, pdf_info
 from strip_photo import strip_photo
 from typer.testing import CliRunner
 
-from padstudio.cli import print
-from padstudio.cli.support import StudioGroup
+from padstudio.cli import program
 from padstudio.pad.spec import Pad
 
 
 @pytest.fixture
 def app() -> typer.Typer:
-    app = typer.Typer(cls=StudioGroup)
-    print.register(app)
-    return app
+    return program.app
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 import padstudio
 from padstudio import Pad
-from padstudio.cli import support
-from padstudio.cli.program import app
+from padstudio.cli import program
 from padstudio.errors import StudioError
+from padstudio.geometry import presets
 
 
 def test_version():
@@ -104,7 +104,7 @@ def test_generate_into_a_folder_that_is_not_there(tmp_path):
 
 
 def test_cameras_shows_the_whole_ids():
-    result = CliRunner(env=ENVIRONMENT | {"COLUMNS": "60"}).invoke(app, ["cameras"])
+    result = CliRunner(env=ENVIRONMENT | {"COLUMNS": "60"}).invoke(program.app, ["cameras"])
     assert result.exit_code == 0
     assert "preset-dji-phantom-4-pro-still" in result.stdout
     assert "nominal" in result.stdout
@@ -148,10 +148,10 @@ def test_a_defect_shows_its_place_on_request(monkeypatch, tmp_path):
 
 def test_a_camera_file_wins_over_a_presets_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    preset = support.load_camera("preset-webcam-c270")
+    preset = presets.load_camera("preset-webcam-c270")
     assert preset.nominal
-    support.load_camera("preset-webcam-c920").save("preset-webcam-c270")
-    assert support.load_camera("preset-webcam-c270").width == 1920
+    presets.load_camera("preset-webcam-c920").save("preset-webcam-c270")
+    assert presets.load_camera("preset-webcam-c270").width == 1920
 
 
 def test_the_installed_program():
@@ -164,6 +164,16 @@ def test_the_installed_program():
     )
     assert done.returncode == 2
     assert done.stderr == "error: No such command 'fly'; see padstudio --help (usage)\n"
+
+
+@pytest.mark.parametrize("command", program.COMMANDS)
+def test_the_list_of_commands_says_what_each_says_itself(command):
+    assert (
+        program.load(command)
+        .help.split("\n\n")[0]
+        .replace("\n", " ")
+        .startswith(program.COMMANDS[command].rstrip("."))
+    )
 
 
 def test_help_needs_no_opencv():

@@ -1,25 +1,27 @@
-"""``padstudio coverage`` and ``advise``: what a pad's sizes can do, and which to choose."""
+"""``padstudio coverage``: what a pad's sizes can do."""
 
 from __future__ import annotations
 
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
-from padstudio.cli.support import load_camera, load_pad, note, progress_bar
+from padstudio.cli.support import note, progress_bar
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.presets import load_camera
+from padstudio.pad.coverage.dead_bands import DeadBand, dead_bands
+from padstudio.pad.coverage.spans import METHOD_LIMITS, Span
+from padstudio.pad.coverage.spans import coverage as spans_of
+from padstudio.pad.spec import Pad
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.success_map import SuccessMap, success_map, view_of
+from padstudio.vision.detector import Detector
 
-if TYPE_CHECKING:
-    from padstudio.geometry.camera import Camera
-    from padstudio.pad.coverage.dead_bands import DeadBand
-    from padstudio.pad.coverage.spans import Span
-    from padstudio.pad.spec import Pad
-    from padstudio.simulate.success_map import SuccessMap
-
-    Spans = tuple[Span, ...]
-    Bands = list[tuple[float, DeadBand]]
+Spans = tuple[Span, ...]
+Bands = list[tuple[float, DeadBand]]
 
 _EXAMPLES = (
     "Examples: [bold]padstudio coverage --pad pad.json --camera preset-dji-mini-27k[/] · "
@@ -51,9 +53,8 @@ AsJson = Annotated[bool, typer.Option("--json", help="Figures for programs.")]
 
 
 def register(app: typer.Typer) -> None:
-    """Add the commands to the program."""
+    """Add the command to the program."""
     app.command(epilog=_EXAMPLES)(coverage)
-    app.command()(advise)
 
 
 def coverage(
@@ -74,12 +75,7 @@ def coverage(
     From geometry at once; with --simulate from rendered frames too. Warns of heights between those
     that read, at which nothing does.
     """
-    from padstudio.pad.coverage.dead_bands import dead_bands
-    from padstudio.pad.coverage.spans import METHOD_LIMITS
-    from padstudio.pad.coverage.spans import coverage as spans_of
-    from padstudio.simulate.success_map import view_of
-
-    the_pad, the_camera = load_pad(pad), load_camera(camera)
+    the_pad, the_camera = Pad.load(pad), load_camera(camera)
     view, limits = view_of(the_camera), METHOD_LIMITS[method]
     angles = _numbers(tilts, "--tilts")
     spans = spans_of(the_pad, view, limits, angles)
@@ -96,44 +92,6 @@ def coverage(
     (_print_json if as_json else _print_text)(spans, bands, found)
 
 
-def advise(
-    camera: CameraName,
-    low_mm: Annotated[float, typer.Option(help="Lowest height that must read, mm.")],
-    high_mm: Annotated[float, typer.Option(help="Highest height that must read, mm.")],
-    method: MethodName = "dense",
-    window: Annotated[int, typer.Option(help="b: every b x b window occurs once.")] = 5,
-    levels: Annotated[int, typer.Option(help="Y: levels a cell can take.")] = 2,
-    tilt: Annotated[float, typer.Option(help="Largest lean of the camera, degrees.")] = 20.0,
-    reach_mm: Annotated[
-        float, typer.Option(help="How far off the pad's centre the camera may be at the lowest.")
-    ] = 200.0,
-) -> None:
-    """Advise cell size, ratio of the layers and pad size for a range of heights."""
-    from padstudio.pad.coverage.advice import advise as advice_for
-    from padstudio.pad.coverage.spans import METHOD_LIMITS
-    from padstudio.simulate.success_map import view_of
-
-    advice = advice_for(
-        view_of(load_camera(camera)),
-        low_mm,
-        high_mm,
-        window=window,
-        levels=levels,
-        limits=METHOD_LIMITS[method],
-        tilt_deg=tilt,
-        reach_mm=reach_mm,
-    )
-    print(
-        f"padstudio generate --window {window} --levels {levels} --cells {advice.cells} "
-        f"--ratio {advice.ratio} --cell-mm {advice.cell_mm:g}"
-    )
-    note(
-        f"{advice.size_mm:.0f} mm square, reads from {advice.low_mm:.0f} to {advice.high_mm:.0f} mm"
-    )
-    for line in advice.notes:
-        note(f"warning: {line}")
-
-
 def _simulated(
     pad: Pad,
     camera: Camera,
@@ -144,13 +102,8 @@ def _simulated(
     trials: int,
     seed: int,
 ) -> SuccessMap:
-    from padstudio.simulate.radiance.scene import Scene
-    from padstudio.simulate.success_map import success_map
-    from padstudio.vision.detector import Detector
-
     detector = Detector(pad, camera, method=method)  # type: ignore[arg-type]
-    with progress_bar() as progress:
-        task = progress.add_task("Simulating", total=len(heights) * len(values) * trials)
+    with progress_bar("Simulating", len(heights) * len(values) * trials) as progress:
         return success_map(
             Scene(pad=pad),
             camera,
@@ -160,7 +113,7 @@ def _simulated(
             values=values,
             trials=trials,
             seed=seed,
-            progress=lambda done: progress.update(task, completed=done),
+            progress=progress,
         )
 
 

@@ -1,31 +1,33 @@
-"""``padstudio detect``: poses of stills and videos, as JSON lines; ``padstudio cameras``."""
+"""``padstudio detect``: poses of stills and videos, as JSON lines."""
 
 from __future__ import annotations
 
 import json
 import logging
 import os
-import statistics
 import sys
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated, Any, Literal
+from typing import IO, Annotated, Any, Literal
 
+import numpy as np
 import typer
 
 from padstudio.cli.support import (
     check_output,
-    load_camera,
-    load_pad,
     note,
     progress_bar,
     show_error,
+    show_table,
 )
-
-if TYPE_CHECKING:
-    from padstudio.flights.tasks.detectors import Recipe
+from padstudio.flights import batch
+from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
+from padstudio.flights.tasks.detectors import Recipe
+from padstudio.geometry.presets import load_camera
+from padstudio.media.sources import find_frames
+from padstudio.pad.spec import Pad
 
 Figures = dict[str, Any]
 
@@ -70,9 +72,8 @@ Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")]
 
 
 def register(app: typer.Typer) -> None:
-    """Add the commands to the program."""
+    """Add the command to the program."""
     app.command(epilog=_EXAMPLES)(detect)
-    app.command()(cameras)
 
 
 def detect(
@@ -97,22 +98,20 @@ def detect(
 
     The exit code is 0 if at least one frame gave a pose, 1 if none did, 2 for wrong input.
     """
-    from padstudio.flights import batch
-    from padstudio.media.sources import find_frames
-
     if not os.environ.get("PADSTUDIO_DEBUG"):
         # A defect is one line like other errors; its traceback is for who looks for it.
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
     recipe = _recipe(pad, camera, method, unmix)
     paths = find_frames(frames)
-    with _writer(output, resume=resume, force=force) as (file, earlier), progress_bar() as progress:
+    with _writer(output, resume=resume, force=force) as (file, earlier):
         pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
         total = sum(len(piece.numbers) for piece in pieces)
         outcomes = list(earlier.values())
-        task = progress.add_task("Detecting", total=total, completed=len(outcomes))
-        for record in batch.detect(pieces, jobs=_jobs(jobs, total, len(pieces)), done=earlier):
-            outcomes.append(_write(record, file))
-            progress.advance(task)
+        with progress_bar("Detecting", total) as progress:
+            progress(len(outcomes))
+            for record in batch.detect(pieces, jobs=_jobs(jobs, total, len(pieces)), done=earlier):
+                outcomes.append(_write(record, file))
+                progress(len(outcomes))
     if not quiet:
         _show_summary(outcomes)
     if not any(figures["ok"] for figures in outcomes):
@@ -120,12 +119,10 @@ def detect(
 
 
 def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
-    from padstudio.flights.tasks.detectors import Recipe
-
     the_camera = load_camera(camera)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
-    content = load_pad(pad).dumps()
+    content = Pad.load(pad).dumps()
     params = json.dumps({"prepare": {"unmix": unmix}})
     return Recipe(content, the_camera.to_ros_yaml(), method, params)
 
@@ -164,8 +161,6 @@ def _writer(
 
 def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
     """What a poses file holds; a last line that was cut off is cut away."""
-    from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
-
     cut_unfinished_line(path)
     return {(record["source"], record["frame"]): _figures(record) for record in read_poses(path)}
 
@@ -180,32 +175,16 @@ def _figures(record: dict[str, Any]) -> Figures:
 
 
 def _show_summary(records: list[Figures]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table("outcome", "reason", "frames", "share")
-    table.columns[2].justify = table.columns[3].justify = "right"
     counts = Counter(figures["outcome"] for figures in records)
-    for (outcome, why), count in sorted(counts.items(), key=lambda item: (-item[1], item[0])):
-        table.add_row(outcome, why, str(count), f"{100 * count / len(records):.1f} %")
+    rows = [
+        (outcome, why, str(count), f"{100 * count / len(records):.1f} %")
+        for (outcome, why), count in sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    ]
     times = [figures["ms"] for figures in records if figures["ms"] is not None]
-    if times:
-        table.caption = f"median {statistics.median(times):.0f} ms a frame, picture decoded"
-    Console(stderr=True).print(table)
-
-
-def cameras() -> None:
-    """List the nominal cameras that --camera takes in place of a file."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from padstudio.geometry import presets
-
-    table = Table("camera", "size", "focal length", caption=presets.NOTE)
-    # Never shortened, as it is there to be copied.
-    table.add_column("id", no_wrap=True, min_width=max(map(len, presets.PRESETS)))
-    for preset in presets.PRESETS.values():
-        camera = preset.camera
-        size = f"{camera.width} x {camera.height}"
-        table.add_row(camera.name, size, f"{camera.focal_px:.0f} px", preset.id)
-    Console().print(table)
+    show_table(
+        ("outcome", "reason", "frames", "share"),
+        rows,
+        right=("frames", "share"),
+        caption=f"median {np.median(times):.0f} ms a frame, picture decoded" if times else None,
+        to_stderr=True,
+    )

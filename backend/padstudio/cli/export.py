@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
+import numpy as np
 import typer
 
-from padstudio.cli.support import check_output, load_camera, load_pad, note
-
-if TYPE_CHECKING:
-    from padstudio.flights.exports.vehicle import VehicleTrack
+from padstudio.cli.support import check_output, note
+from padstudio.flights.exports import forms
+from padstudio.flights.exports.options import ExportOptions
+from padstudio.flights.exports.sources import FilePictures
+from padstudio.flights.exports.vehicle import Mount, VehicleTrack
+from padstudio.flights.results.poses_file import read_poses
+from padstudio.geometry.presets import load_camera
+from padstudio.pad.spec import Pad
 
 _EXAMPLES = (
     "Examples: [bold]padstudio export poses.jsonl --form tum -o flight.tum.txt[/] · "
@@ -69,17 +74,9 @@ def export(
     force: Force = False,
 ) -> None:
     """Write a poses file in the form of another program."""
-    import numpy as np
-
-    from padstudio.flights.exports import forms
-    from padstudio.flights.exports.options import ExportOptions
-    from padstudio.flights.exports.sources import FilePictures
-    from padstudio.flights.exports.vehicle import Mount
-    from padstudio.flights.results.poses_file import read_poses
-
     options = ExportOptions(
         camera=None if camera is None else load_camera(camera),
-        pad_size_mm=None if pad is None else load_pad(pad).size_mm,
+        pad_size_mm=None if pad is None else Pad.load(pad).size_mm,
         picture=FilePictures(Path()) if images else None,
         start_unix_s=start_unix_s,
         mount=Mount.downward(turned_deg, np.array([forward_m, right_m, down_m])),
@@ -100,7 +97,5 @@ def export(
 
 
 def _track(path: Path) -> VehicleTrack:
-    from padstudio.flights.exports.vehicle import VehicleTrack
-
     with path.open(encoding="utf-8-sig") as file:
         return VehicleTrack.from_csv(file)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from padstudio.cli.support import check_output, note, progress_bar
+from padstudio.pad.coding import generate as coding
 
 _EXAMPLES = (
     "Examples: [bold]padstudio generate -o pad.json[/] · "
@@ -53,11 +54,9 @@ def generate(
     force: Annotated[bool, typer.Option("--force", help="Write over an existing file.")] = False,
 ) -> None:
     """Generate a pad and write it as a pad file."""
-    from padstudio.pad.coding.generate import PadSpec, generate_pad
-
     check_output(output, force=force)
     rows, cols = _cells(cells)
-    spec = PadSpec(
+    spec = coding.PadSpec(
         name=name,
         window=window,
         levels=levels,
@@ -72,12 +71,11 @@ def generate(
         method=method,
         seed=seed,
     )
-    with progress_bar(counted=False) as progress:
-        task = progress.add_task("Searching", total=1.0)
-        pad = generate_pad(
+    with progress_bar("Searching", 1.0, counted=False) as progress:
+        pad = coding.generate_pad(
             spec,
             budget_s=budget_s,
-            progress=lambda share: progress.update(task, completed=share),
+            progress=progress,
         )
     pad.save(output)
     layers = ", ".join(f"{la.channel} {la.rows} x {la.cols}" for la in pad.layers)

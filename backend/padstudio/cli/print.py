@@ -1,32 +1,27 @@
-"""``padstudio print`` and ``padstudio measure``: a pad on paper, and the size it came out at."""
+"""``padstudio print``: a pad on paper."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import Annotated, Literal, cast
 
 import typer
 
-from padstudio.cli.support import check_output, load_pad, note
-from padstudio.errors import ImageError
+from padstudio.cli.support import check_output, note
+from padstudio.pad.print_scale import print_scale
+from padstudio.pad.sheets.tiling import SheetOptions, SheetPlan, plan_sheets
+from padstudio.pad.spec import Pad
+from padstudio.render import documents
+from padstudio.render.documents import Form
+from padstudio.render.painters.options import PrintOptions
 
-if TYPE_CHECKING:
-    from padstudio.pad.sheets.tiling import SheetOptions, SheetPlan
-    from padstudio.render.documents import Form
-
-_PRINT_EXAMPLES = (
+_EXAMPLES = (
     "Examples: [bold]padstudio print pad.json -o pad.pdf[/] (one page of the pad's own size) · "
     "[bold]padstudio print pad.json --paper A4 -o sheets.pdf[/] · "
     "[bold]padstudio print pad.json --dpi 300 -o pad.png[/] · "
     "[bold]padstudio print pad.json --form strip --paper A4 -o strip.pdf[/]"
 )
-_MEASURE_EXAMPLE = "Example: [bold]padstudio measure pad.json 199.2 200.4[/]"
-_CROSSTALK_EXAMPLES = (
-    "Examples: [bold]padstudio crosstalk pad.json strip.jpg[/] · "
-    "[bold]padstudio crosstalk pad.json --forget[/]"
-)
-
 PadFile = Annotated[Path, typer.Argument(help="Pad file.")]
 Output = Annotated[
     Path,
@@ -72,10 +67,8 @@ Force = Annotated[bool, typer.Option("--force", help="Write over an existing fil
 
 
 def register(app: typer.Typer) -> None:
-    """Add the commands to the program."""
-    app.command("print", epilog=_PRINT_EXAMPLES)(print_pad)
-    app.command(epilog=_MEASURE_EXAMPLE)(measure)
-    app.command(epilog=_CROSSTALK_EXAMPLES)(crosstalk)
+    """Add the command to the program."""
+    app.command("print", epilog=_EXAMPLES)(print_pad)
 
 
 def print_pad(
@@ -100,10 +93,6 @@ def print_pad(
     force: Force = False,
 ) -> None:
     """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
-    from padstudio.pad.sheets.tiling import plan_sheets
-    from padstudio.render import documents
-    from padstudio.render.painters.options import PrintOptions
-
     check_output(output, force=force)
     options = PrintOptions(
         sheets=_sheets(paper, orientation, margin_mm, joint, overlap_mm, seams, furniture),
@@ -116,55 +105,13 @@ def print_pad(
         dpi=dpi,
         measured=_measured(read),
     )
-    chosen = cast("Form", form or output.suffix.lstrip(".").lower().replace("zip", "csv"))
-    design = load_pad(pad)
+    chosen = cast(Form, form or output.suffix.lstrip(".").lower().replace("zip", "csv"))
+    design = Pad.load(pad)
     pieces, _media_type, _name = documents.make(design, chosen, options)
     with output.open("wb") as file:
         file.writelines(pieces)
     told = _describe(plan_sheets(design, options.sheets)) if chosen == "pdf" else chosen
     note(f"{output}: {told}")
-
-
-def measure(
-    pad: Annotated[Path, typer.Argument(help="Pad file; its scale is set.")],
-    x_mm: Annotated[float, typer.Argument(help="What the printed ruler along x reads, mm.")],
-    y_mm: Annotated[float, typer.Argument(help="What the printed ruler along y reads, mm.")],
-    ruler_mm: Annotated[float, typer.Option(help="Nominal length of the printed rulers.")] = 200.0,
-) -> None:
-    """Enter the size that a print came out at; poses then use it, without printing again."""
-    from padstudio.pad.print_scale import with_measured_size
-
-    design = with_measured_size(load_pad(pad), ruler_mm=ruler_mm, x_mm=x_mm, y_mm=y_mm)
-    design.save(pad)
-    note(f"{pad}: scale {design.scale[0]:.5f} in x, {design.scale[1]:.5f} in y")
-
-
-def crosstalk(
-    pad: Annotated[Path, typer.Argument(help="Pad file; its crosstalk is set.")],
-    photo: Annotated[Path | None, typer.Argument(help="Photo of the printed test strip.")] = None,
-    forget: Annotated[bool, typer.Option("--forget", help="Un-mix frames no longer.")] = False,
-) -> None:
-    """Read a photo of the test strip; frames are then un-mixed by what printer and camera do."""
-    from padstudio.media import images
-    from padstudio.vision.strip_photo import estimate_crosstalk
-
-    if (photo is None) != forget:
-        raise typer.BadParameter("give a photo of the test strip, or --forget")
-    design = load_pad(pad)
-    if photo is None:
-        design.with_crosstalk(None).save(pad)
-        note(f"{pad}: frames are not un-mixed")
-        return
-    found = estimate_crosstalk(images.read(photo))
-    if not found.usable:
-        raise ImageError("; ".join(found.warnings), code="unusable_strip")
-    design.with_crosstalk(found.matrix).save(pad)
-    for warning in found.warnings:
-        note(f"warning: {warning}")
-    note(
-        f"{pad}: frames are un-mixed from now on; red stands out by {found.red_separation:.0%}, "
-        f"blue by {found.blue_separation:.0%} of white"
-    )
 
 
 def _sheets(
@@ -177,8 +124,6 @@ def _sheets(
     furniture: bool | None,
 ) -> SheetOptions:
     """How the pad is spread; a page of the pad's own size has nothing beside the pad if unsaid."""
-    from padstudio.pad.sheets.tiling import SheetOptions
-
     own = paper.strip().lower() == "own"
     beside = not own if furniture is None else furniture
     return SheetOptions(
@@ -194,8 +139,6 @@ def _sheets(
 
 def _measured(read: str) -> tuple[float, float]:
     """Size of prints over nominal size, from two ruler readings; 1 where there are none."""
-    from padstudio.pad.print_scale import print_scale
-
     if not read:
         return 1.0, 1.0
     found = re.fullmatch(r"(\d+(?:\.\d+)?),(\d+(?:\.\d+)?)", read.replace(" ", ""))

@@ -1,38 +1,74 @@
 """The command line: ``padstudio generate | print | detect | serve | …``.
 
-Only typer is imported before a command runs, so that ``--help`` and completion are quick.
+A command's module is imported when the command is run, so that ``--help`` and completion are quick
+and no command pays for another.
 """
 
 from __future__ import annotations
 
-from typing import Annotated
+from importlib import import_module
+from typing import Annotated, Any, Final
 
 import typer
+from typer.core import TyperCommand
 
-from padstudio.cli import (
-    coverage,
-    detect,
-    export,
-    generate,
-    serve,
-    simulate,
-    worker,
-)
-from padstudio.cli import (
-    print as cli_print,
-)
+from padstudio import __version__
 from padstudio.cli.support import StudioGroup
+
+#: Every command, each in the module of its name, and what the list of commands says of it.
+COMMANDS = {
+    "generate": "Generate a pad and write it as a pad file.",
+    "print": "Print a pad: a PDF at true size on any paper, or another form by the file's suffix.",
+    "measure": "Enter the size that a print came out at; poses then use it, without printing "
+    "again.",
+    "crosstalk": "Read a photo of the test strip; frames are then un-mixed by what printer and "
+    "camera do.",
+    "detect": "Find the pad in frames and write their poses, one JSON object a line.",
+    "cameras": "List the nominal cameras that --camera takes in place of a file.",
+    "export": "Write a poses file in the form of another program.",
+    "simulate": "Simulate flights over a pad: pictures as a real camera takes them, and the true "
+    "poses.",
+    "coverage": "Show the heights and tilts at which each layer of a pad, and the sign as a "
+    "whole, reads.",
+    "advise": "Advise cell size, ratio of the layers and pad size for a range of heights.",
+    "serve": "Serve the studio's pages and its REST interface until Ctrl-C.",
+    "worker": "Work on flights for a cluster's scheduler until it ends, or Ctrl-C.",
+}
+_MARKUP: Final = "rich"
+
+
+class Commands(StudioGroup):
+    """Lists all commands, and imports the one that is run."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        for name, line in COMMANDS.items():
+            self.add_command(TyperCommand(name, help=line, rich_markup_mode=_MARKUP))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, command and load(args[0]), rest
+
+
+def load(name: str) -> Any:
+    """A command, ready to be run."""
+    alone = typer.Typer(
+        rich_markup_mode=_MARKUP, add_completion=False, pretty_exceptions_enable=False
+    )
+    import_module(f"padstudio.cli.{name}").register(alone)
+    return typer.main.get_command(alone)
+
 
 app = typer.Typer(
     name="padstudio",
-    cls=StudioGroup,
+    cls=Commands,
     help="Design, print and detect double-layer coded landing pads for drones.",
     epilog="Exit codes: 0 done, 1 done but nothing found, 2 wrong input, 3 search exhausted, "
     "70 a defect of the program.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode="rich",
+    rich_markup_mode=_MARKUP,
 )
 
 
@@ -43,8 +79,6 @@ def main() -> None:
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from padstudio import __version__
-
         print(f"padstudio {__version__}")
         raise typer.Exit
 
@@ -59,16 +93,3 @@ def _root(
     ] = False,
 ) -> None:
     pass
-
-
-for part in (
-    generate,
-    cli_print,
-    detect,
-    export,
-    simulate,
-    coverage,
-    serve,
-    worker,
-):
-    part.register(app)

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from padstudio.cli.support import note
+from padstudio.web import serve as server
 
 _EXAMPLES = (
     "Examples: [bold]padstudio serve[/] · [bold]padstudio serve --port 9000 --data ~/pads[/] · "
@@ -36,8 +37,8 @@ def serve(
     On another address than the loopback ones, callers need a token: PADSTUDIO_TOKEN, or one that is
     made up and printed with the address.
     """
-    from padstudio.web.serve import serve as run
-
     # The server has shut down in order by the time it passes Ctrl-C on.
     with contextlib.suppress(KeyboardInterrupt):
-        run(host, port, data, announce=lambda url: note(f"Pad Studio: {url} (Ctrl-C ends it)"))
+        server.serve(
+            host, port, data, announce=lambda url: note(f"Pad Studio: {url} (Ctrl-C ends it)")
+        )

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from padstudio.cli.support import check_output, load_camera, load_pad, note, progress_bar
+from padstudio.cli.support import check_output, note, progress_bar
 from padstudio.errors import ConflictError
-
-if TYPE_CHECKING:
-    from padstudio.geometry.camera import Camera
-    from padstudio.simulate.radiance.scene import Scene
-    from padstudio.simulate.trajectories import Flight
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.presets import load_camera
+from padstudio.pad.spec import Pad
+from padstudio.simulate import looks, trajectories, writer
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.trajectories import Flight
 
 _EXAMPLES = (
     "Examples: [bold]padstudio simulate --pad pad.json --camera preset-dji-mini-27k -o sim[/] · "
@@ -80,9 +81,6 @@ def simulate(
 
     Writes stills/ or flights/ with a truth file, and the pad and the camera beside them.
     """
-    from padstudio.simulate import trajectories
-    from padstudio.simulate.radiance.scene import Scene
-
     if output.exists() and not force:
         raise ConflictError(
             f"{output} exists; give another name, or --force to write into it", code="file_exists"
@@ -98,7 +96,7 @@ def simulate(
         sway=sway,
     )
     scene = Scene(
-        pad=load_pad(pad) if pad else None,
+        pad=Pad.load(pad) if pad else None,
         quiet_mm=quiet_mm,
         ground=ground,  # type: ignore[arg-type]  # Scene names the choices itself
         ground_seed=seed,
@@ -118,11 +116,8 @@ def _write(
     seed: int,
 ) -> Path:
     """Render into a folder under a progress bar; stills where there is no codec."""
-    from padstudio.simulate import looks, writer
-
     dressed, imaging = looks.dress(scene, look, seed=seed)
-    with progress_bar() as progress:
-        task = progress.add_task("Rendering", total=len(course))
+    with progress_bar("Rendering", len(course)) as progress:
         return writer.write_flight(
             output,
             course,
@@ -132,14 +127,12 @@ def _write(
             video=codec is not None,
             codec=codec or "h264",  # type: ignore[arg-type]  # VideoWriter names the choices itself
             seed=seed,
-            progress=lambda done: progress.update(task, completed=done),
+            progress=progress,
         )
 
 
 def _list_looks(wanted: bool) -> None:
     if wanted:
-        from padstudio.simulate.looks import LOOKS
-
-        for name, look in LOOKS.items():
+        for name, look in looks.LOOKS.items():
             print(f"{name:14}{look.note}")
         raise typer.Exit

@@ -1,23 +1,19 @@
-"""What all commands share: one-line errors, notes on stderr, reading pad and camera."""
+"""What all commands share: one-line errors, notes and progress on stderr."""
 
 from __future__ import annotations
 
 import os
 import sys
 import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
 from padstudio.errors import ConflictError, NotFoundError, StudioError
-
-if TYPE_CHECKING:
-    from rich.progress import Progress
-
-    from padstudio.geometry.camera import Camera
-    from padstudio.pad.spec import Pad
 
 #: Exit code of a wrong command line or input, as the shell's and click's own.
 EXIT_USAGE = 2
@@ -25,7 +21,6 @@ EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 #: Exit code of a defect in the program (sysexits.h, EX_SOFTWARE).
 EXIT_DEFECT = 70
-PRESET_PREFIX = "preset-"
 
 
 class StudioGroup(TyperGroup):
@@ -87,23 +82,6 @@ def note(message: str) -> None:
     print(message, file=sys.stderr)
 
 
-def load_pad(path: Path) -> Pad:
-    """The pad of a pad file."""
-    from padstudio.pad.spec import Pad
-
-    return Pad.load(path)
-
-
-def load_camera(name: str) -> Camera:
-    """The camera of a camera file, or of a preset's id."""
-    from padstudio.geometry import presets
-    from padstudio.geometry.camera import Camera
-
-    if name.startswith(PRESET_PREFIX) and not Path(name).exists():
-        return presets.get(name).camera
-    return Camera.load(name)
-
-
 def check_output(path: Path, *, force: bool) -> None:
     """Refuse to write over a file, or into a folder that is not there.
 
@@ -119,24 +97,78 @@ def check_output(path: Path, *, force: bool) -> None:
         raise NotFoundError(f"the folder {path.parent} does not exist; make it first")
 
 
-def progress_bar(*, counted: bool = True) -> Progress:
+@contextmanager
+def progress_bar(
+    label: str, total: float, *, counted: bool = True
+) -> Iterator[Callable[[float], None]]:
     """A progress bar on stderr; nothing is drawn where stderr is no terminal.
 
     Parameters
     ----------
+    label : str
+    total : float
+        What there is to do.
     counted : bool
         Show how many of how many, rather than a percentage.
+
+    Yields
+    ------
+    callable
+        To be called with what is done.
     """
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
     from rich import progress
     from rich.console import Console
 
-    console = Console(stderr=True)
-    return progress.Progress(
+    with progress.Progress(
         progress.TextColumn("{task.description}"),
         progress.BarColumn(),
         progress.MofNCompleteColumn() if counted else progress.TaskProgressColumn(),
         progress.TimeRemainingColumn(),
-        console=console,
-        disable=not console.is_terminal,
+        console=Console(stderr=True),
         transient=True,
-    )
+    ) as bar:
+        task = bar.add_task(label, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
+def show_table(
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    caption: str | None = None,
+    right: Sequence[str] = (),
+    whole: Sequence[str] = (),
+    to_stderr: bool = False,
+) -> None:
+    """Draw a table.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        Their headings.
+    rows : iterable of sequence of str
+    caption : str, optional
+    right : sequence of str
+        The columns whose cells stand at the right.
+    whole : sequence of str
+        The columns whose cells are never shortened.
+    to_stderr : bool
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    rows = list(rows)
+    table = Table(caption=caption)
+    for place, name in enumerate(columns):
+        table.add_column(
+            name,
+            justify="right" if name in right else "left",
+            no_wrap=name in whole,
+            min_width=max(len(row[place]) for row in rows) if name in whole else None,
+        )
+    for row in rows:
+        table.add_row(*row)
+    Console(stderr=to_stderr).print(table)

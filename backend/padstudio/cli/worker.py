@@ -10,6 +10,8 @@ from typing import Annotated, Any
 import typer
 
 from padstudio.cli.support import note
+from padstudio.flights.cluster.engine import EngineOptions
+from padstudio.flights.cluster.worker import lend_workers
 
 _EXAMPLES = (
     "Example: [bold]padstudio worker tls://studio.example:8786 --ca ca.pem --cert me.pem "
@@ -56,9 +58,6 @@ def worker(
     The server is given the same scheduler by PADSTUDIO_SCHEDULER. Workers read uploads from where
     PADSTUDIO_STORAGE says, which has to be reached under the same name from here.
     """
-    from padstudio.flights.cluster.engine import EngineOptions
-    from padstudio.flights.cluster.worker import lend_workers
-
     options = EngineOptions(
         scheduler=scheduler,
         tls_ca=str(ca) if ca else None,

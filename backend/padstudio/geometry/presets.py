@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from padstudio.errors import NotFoundError
 from padstudio.geometry.camera import Camera
 
 NOTE = "nominal, calibrate for accuracy"
+_PREFIX = "preset-"
 #: Diagonal of a 36 mm x 24 mm negative, mm.
 _NEGATIVE_DIAGONAL_MM = math.hypot(36.0, 24.0)
 
@@ -53,6 +55,13 @@ class Preset:
     id: str
     camera: Camera
     note: str = NOTE
+
+
+def load_camera(name: str) -> Camera:
+    """The camera of a camera file, or of a preset's id; a file of that name wins."""
+    if name.startswith(_PREFIX) and not Path(name).exists():
+        return get(name).camera
+    return Camera.load(name)
 
 
 def get(preset_id: str) -> Preset:
