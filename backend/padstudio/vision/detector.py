@@ -11,7 +11,7 @@ from padstudio.arrays import Image, YuvFrame
 from padstudio.errors import ImageError
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
-from padstudio.vision.baseline.method import Paper
+from padstudio.vision.baseline.method import Baseline
 from padstudio.vision.dense.method import Dense
 from padstudio.vision.dense.tracker import Tracker
 from padstudio.vision.stage.detection import Detection, Method
@@ -44,7 +44,7 @@ class Detector:
         self.method = method
         self.params = params or DetectorParams()
         self._dense = Dense(pad, camera, self.params)
-        self._paper = Paper(pad, camera, self.params) if method == "paper" else None
+        self._baseline = Baseline(pad, camera, self.params) if method == "paper" else None
 
     def detect(self, frame: Image | YuvFrame, *, trace: bool = False) -> Detection:
         """Find the pad in one still.
@@ -69,7 +69,7 @@ class Detector:
         """
         _check(frame)
         recorder = Recorder(keep=trace)
-        stills = self._paper or self._dense
+        stills = self._baseline or self._dense
         bgr = frame.bgr if isinstance(frame, YuvFrame) else frame
         return _finish(stills.detect(bgr, recorder), frame, recorder)
 
@@ -83,7 +83,7 @@ class Detector:
         """
         tracker = Tracker()
         for frame in frames:
-            expected = tracker.expect() if self._paper is None else None
+            expected = tracker.expect() if self._baseline is None else None
             detection = None
             if expected is not None:
                 _check(frame)

@@ -1,4 +1,4 @@
-"""From a first pose to the best: layers, rungs, cells read with a pose."""
+"""From a first pose to the best: layers, their fits, cells read with a pose."""
 
 from dataclasses import replace
 
@@ -38,9 +38,9 @@ def test_a_rough_start_climbs_from_the_coarse_layer_to_the_fine_one():
     _, pyramid, pose = near_view()
     start = MovingPose(pose).moved(np.array([5.0, -4.0, 6.0, 0.004, -0.003, 0.006]))
     work = refiner(pyramid)
-    rungs = work.settle(start, np.inf)
-    assert [rung.layer.channel for rung in rungs] == ["blue", "red"]
-    found = work.polish(rungs)
+    layer_fits = work.coarse_to_fine(start, np.inf)
+    assert [fit.layer.channel for fit in layer_fits] == ["blue", "red"]
+    found = work.refine_finest(layer_fits)
     assert found is not None
     assert found.layer is RED
     assert errors(found.fit.pose.pose, pose)[0] < 0.1
@@ -52,7 +52,7 @@ def test_a_start_a_cell_off_is_not_polished_into_a_pose():
     _, pyramid, pose = near_view()
     start = MovingPose(pose).moved(np.array([50.0, 0, 0, 0, 0, 0]))
     work = refiner(pyramid)
-    assert work.polish(work.settle(start, 0.0)) is None
+    assert work.refine_finest(work.coarse_to_fine(start, 0.0)) is None
 
 
 def test_cells_read_with_the_true_pose_agree_and_with_another_do_not():
@@ -156,7 +156,7 @@ def test_cells_toward_the_horizon_do_not_hide_the_near_ones():
     image = frame_of(pose, pad=pad, camera=CAMERA)
     start = MovingPose(pose).moved(np.array([1.0, -1.0, 0.5, 0.001, -0.001, 0.002]))
     work = refiner(Pyramid(image), pad=pad)
-    found = work.polish(work.settle(start, np.inf))
+    found = work.refine_finest(work.coarse_to_fine(start, np.inf))
     assert found is not None
     assert errors(found.fit.pose.pose, pose)[0] < 0.5
     assert found.read.evidence.wrong < 0.05 * found.read.evidence.read

@@ -28,10 +28,10 @@ from padstudio.vision.baseline.hough import find_merged_lines
 from padstudio.vision.baseline.line_grid import LineGrid, find_line_grid
 from padstudio.vision.baseline.pose import WindowPose, choose_larger, window_pose
 from padstudio.vision.frame.block_mean import block_mean, clean
-from padstudio.vision.frame.diagnosis import Suspect, diagnose
-from padstudio.vision.frame.prepare import Stretch, find_stretch, prepare, take_channel
+from padstudio.vision.frame.diagnosis import diagnose, examine
+from padstudio.vision.frame.prepare import Stretch, take_channel
 from padstudio.vision.frame.pyramid import Plane, Pyramid
-from padstudio.vision.frame.regions import Region, find_regions
+from padstudio.vision.frame.regions import Region
 from padstudio.vision.outline.corner_pose import uncertainty, unsure
 from padstudio.vision.outline.quadrilateral import (
     OutlinePose,
@@ -54,7 +54,7 @@ class _Frame:
     recorder: Recorder
 
 
-class Paper:
+class Baseline:
     """The paper's method for one pad and one camera.
 
     Parameters
@@ -74,11 +74,9 @@ class Paper:
 
     def detect(self, bgr: Image, recorder: Recorder) -> Detection:
         """Find the pad in one frame, without any hint."""
-        camera = self.camera.for_frame(bgr.shape[1], bgr.shape[0])
-        pyramid = prepare(bgr, self.pad, self.params.prepare, recorder)
-        stretch = recorder.run("stretch", None, find_stretch, pyramid)
-        regions = recorder.run("clean", None, find_regions, pyramid, self.pad)
-        frame = _Frame(pyramid, camera, stretch, regions[0], recorder)
+        seen = examine(bgr, self.pad, self.camera, self.params.prepare, recorder)
+        regions = seen.regions
+        frame = _Frame(seen.pyramid, seen.camera, seen.stretch, regions[0], recorder)
         outline = self._from_outlines(frame, regions)
         if isinstance(outline, OutlinePose):
             # A whole sign is larger than any window of it, and the larger area wins.
@@ -89,8 +87,7 @@ class Paper:
         found = self._from_windows(frame, regions, outline)
         if found.failure is None:
             return found
-        suspect = Suspect(pyramid, camera, self.pad, stretch, regions)
-        return Detection(None, diagnose(suspect, found.failure))
+        return Detection(None, diagnose(seen, found.failure))
 
     def _explain(self, frame: _Frame) -> Recorder:
         """For a trace: the stages that the result did not need."""

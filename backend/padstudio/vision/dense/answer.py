@@ -1,4 +1,4 @@
-"""What a measurement says to the caller: a detection with its uncertainty, or why there is none."""
+"""What the caller gets of a refined pose: a detection that tells how sure it is, or why none."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from padstudio.vision.dense.whole_pad import WholeSign
 from padstudio.vision.pose.covariance import with_bend, with_picture_shift
 from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import most_residual_px
-from padstudio.vision.pose.results import Measurement
+from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 
-def unfit(measurement: Measurement | None) -> StageFailure | None:
+def unfit(refined: RefinedPose | None) -> StageFailure | None:
     """Why no pose may be given, or None where borders lie where the pose puts them."""
-    if measurement is None:
+    if refined is None:
         detail = "no layer's borders stand where the first pose puts them"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
-    residual, cell = measurement.fit.rms_px, measurement.cell_px
+    residual, cell = refined.fit.rms_px, refined.cell_px
     if residual > most_residual_px(cell):
         detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
@@ -51,9 +51,9 @@ def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
     return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
 
 
-def of_measurement(measurement: Measurement, choice: Choice) -> Detection:
-    """The detection of a measured pose and the layer it rests on."""
-    fit, evidence = measurement.fit, choice.read.evidence
+def of_refined(refined: RefinedPose, choice: Choice) -> Detection:
+    """The detection of a refined pose and the layer it rests on."""
+    fit, evidence = refined.fit, choice.read.evidence
     return Detection(
         pose=fit.pose.pose,
         layer=choice.read.layer.channel,
@@ -61,21 +61,21 @@ def of_measurement(measurement: Measurement, choice: Choice) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit, measurement.camera.focal_px),
-        ambiguity=_ambiguity(measurement),
+        uncertainty=_uncertainty(fit, refined.camera.focal_px),
+        ambiguity=_ambiguity(refined),
         shift_mm=fit.pose.shift_mm,
         turn_rad=fit.pose.turn,
     )
 
 
-def _ambiguity(measurement: Measurement) -> float:
-    points = measurement.borders.points_mm
+def _ambiguity(refined: RefinedPose) -> float:
+    points = refined.borders.points_mm
     x, y = points[:, 0], points[:, 1]
     ends = (x.min(), x.max()), (y.min(), y.max())
     corners = np.array([[x, y, 0.0] for x in ends[0] for y in ends[1]])
-    sigma_px = measurement.fit.rms_px / np.sqrt(max(len(points), 1))
-    sigma = float(sigma_px) / measurement.camera.focal_px
-    return ambiguity(measurement.fit.pose.pose, corners, sigma)
+    sigma_px = refined.fit.rms_px / np.sqrt(max(len(points), 1))
+    sigma = float(sigma_px) / refined.camera.focal_px
+    return ambiguity(refined.fit.pose.pose, corners, sigma)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,15 +95,15 @@ class Choice:
 
 
 def choose(
-    reads: list[LayerRead], measured: Layer, log10_false_alarm: float
+    reads: list[LayerRead], fitted: Layer, log10_false_alarm: float
 ) -> Choice | StageFailure:
-    """The measured layer where its cells suffice, else the one with the best evidence.
+    """The fitted layer where its cells suffice, else the one with the best evidence.
 
     Parameters
     ----------
     reads : list of LayerRead
         Layers read with the final pose.
-    measured : Layer
+    fitted : Layer
         The finest layer whose borders the pose rests on.
     log10_false_alarm : float
         The bound that evidence must keep.
@@ -120,6 +120,6 @@ def choose(
             f"({best.evidence.compared_with(log10_false_alarm)})",
         )
     for read in good:
-        if read.layer is measured:
+        if read.layer is fitted:
             return Choice(read, tuple(reads))
     return Choice(min(good, key=lambda read: read.evidence.log10_false_alarm), tuple(reads))

@@ -25,9 +25,9 @@ _BLOCKS = 12
 
 
 def explain(
-    frame: Search, region: Region, reads: Sequence[LayerRead], level: int | None
-) -> Recorder:
-    """Run each layer's channel through the stages.
+    frame: Search, region: Region, reads: Sequence[LayerRead], level: int | None = None
+) -> None:
+    """Run each layer's channel through the stages, where a trace is kept.
 
     Parameters
     ----------
@@ -38,12 +38,9 @@ def explain(
         Layers read with the final pose; empty where there is none.
     level : int or None
         Scale for channels of which no cells were read; None for a middling one.
-
-    Returns
-    -------
-    Recorder
-        Holds the records.
     """
+    if not frame.recorder.keep:
+        return
     recorder = Recorder(keep=True)
     local = Search(
         frame.pyramid, frame.camera, frame.stretch, frame.indices, frame.params, recorder
@@ -61,7 +58,7 @@ def explain(
             recorder.note("lines", channel, expected[channel])
     for read in reads:
         recorder.note("decode", read.layer.channel, read)
-    return recorder
+    frame.recorder.append(recorder)
 
 
 def _run(frame: Search, region: Region, level: int, channel: Channel, *, known: bool) -> None:

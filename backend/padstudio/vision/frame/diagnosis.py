@@ -15,12 +15,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
-from padstudio.vision.frame.prepare import Stretch
+from padstudio.vision.frame.prepare import Stretch, find_stretch, prepare
 from padstudio.vision.frame.pyramid import Box, Pyramid
-from padstudio.vision.frame.regions import Region
-from padstudio.vision.stage.trace import Reason, StageFailure
+from padstudio.vision.frame.regions import Region, find_regions
+from padstudio.vision.stage.params import PrepareParams
+from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 # Brightest grey value below which a frame is too dark, and share of burnt-out pixels.
 _DARK_TOP, _BURNT = 24.0, 0.2
@@ -64,6 +66,34 @@ class Suspect:
     def seen(self) -> bool:
         """True where a part of the frame has the pad's colour."""
         return len(self.regions) > 1
+
+
+def examine(
+    image: Image, pad: Pad, camera: Camera, params: PrepareParams, recorder: Recorder
+) -> Suspect:
+    """What every method begins with: the frame prepared, its grey values, and where the pad can be.
+
+    Parameters
+    ----------
+    image : (H, W, 3) uint8
+        BGR.
+    pad : Pad
+    camera : Camera
+        As calibrated; it is scaled to the frame.
+    params : PrepareParams
+    recorder : Recorder
+        Keeps the stages `denoise`, `unmix`, `stretch` and `clean`.
+
+    Raises
+    ------
+    CameraMismatchError
+        If the frame's aspect is not the camera's.
+    """
+    camera = camera.for_frame(image.shape[1], image.shape[0])
+    pyramid = prepare(image, pad, params, recorder)
+    stretch = recorder.run("stretch", None, find_stretch, pyramid)
+    regions = recorder.run("clean", None, find_regions, pyramid, pad)
+    return Suspect(pyramid, camera, pad, stretch, regions)
 
 
 def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:

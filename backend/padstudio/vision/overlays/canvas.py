@@ -11,7 +11,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.cells.sampling import CellGrid
-from padstudio.vision.pose.results import Measurement
+from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.search.lattice import Lattice
 
 Color = tuple[int, int, int]
@@ -186,7 +186,7 @@ class Canvas:
         _polyline(self.picture, np.concatenate([at, at[:1]]), color, 3)
         self._dot(at[0], 6.0, color)
 
-    def borders(self, found: Measurement) -> None:
+    def borders(self, found: RefinedPose) -> None:
         """Mark the measured borders, those that count and those that do not.
 
         Where the pattern was matched as a whole, its borders are marked where the pose puts them.
@@ -199,7 +199,7 @@ class Canvas:
             for xy in at[found.fit.inliers == inlier]:
                 self._dot(xy, 1.2, color)
 
-    def axes(self, found: Measurement) -> None:
+    def axes(self, found: RefinedPose) -> None:
         """Draw the pad's axes (X red, Y green, Z blue) amid the measured part."""
         points_mm = found.borders.points_mm
         origin = points_mm.mean(axis=0)

@@ -20,7 +20,7 @@ from padstudio.vision.frame.prepare import Denoise, Stretch, Unmixed, denoised
 from padstudio.vision.frame.pyramid import BGR_INDEX, Plane
 from padstudio.vision.overlays import baseline
 from padstudio.vision.overlays import canvas as drawing
-from padstudio.vision.pose.results import Measurement
+from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.search.edges import EdgeSet
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies
@@ -71,7 +71,7 @@ def result_picture(trace: Trace, detection: Detection) -> Image:
     canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
     canvas.grid(record.output.read.cells)
     canvas.cells(record.output.read.cells, record.output.read.expected)
-    if posed is not None and isinstance(posed.output, Measurement):
+    if posed is not None and isinstance(posed.output, RefinedPose):
         canvas.axes(posed.output)
     return canvas.picture
 
@@ -179,7 +179,7 @@ def _paint_whole_sign(trace: Trace, output: WholeSign, channel: Channel | None) 
     return canvas.picture
 
 
-def _paint_measurement(trace: Trace, output: Measurement, channel: Channel | None) -> Image:
+def _paint_refined(trace: Trace, output: RefinedPose, channel: Channel | None) -> Image:
     picture = drawing.fit(trace.image, MAX_WIDTH)
     canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
     canvas.borders(output)
@@ -199,7 +199,7 @@ _PAINTERS: dict[type, Callable[[Trace, Any, Channel | None], Image]] = {
     Placement: _paint_placement,
     LayerRead: _paint_read,
     Choice: _paint_choice,
-    Measurement: _paint_measurement,
+    RefinedPose: _paint_refined,
     WholeSign: _paint_whole_sign,
     **baseline.PAINTERS,
 }

@@ -26,7 +26,7 @@ from padstudio.vision.pose.edge_points import (
 )
 from padstudio.vision.pose.image_alignment import FOLLOWED_PIXELS, MOST_PIXELS, Match
 from padstudio.vision.pose.least_squares import Fit, better_of, fit_pose
-from padstudio.vision.pose.results import Measurement, Rung
+from padstudio.vision.pose.results import LayerFit, RefinedPose
 from padstudio.vision.stage.params import DetectorParams
 
 # Profiles reach this far, and are taken where a cell is about this wide, pixels of the window.
@@ -77,7 +77,7 @@ class Refiner:
             return refine.most_borders
         return min(refine.most_borders, refine.followed_borders)
 
-    def settle(self, start: MovingPose, good_mm: float) -> list[Rung]:
+    def coarse_to_fine(self, start: MovingPose, good_mm: float) -> list[LayerFit]:
         """Readable layers, the coarse ones first, each with the pose that it led to.
 
         Parameters
@@ -88,31 +88,30 @@ class Refiner:
             in the end.
         """
         pose = start
-        rungs: list[Rung] = []
+        layer_fits: list[LayerFit] = []
         for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
-            rung = self._rung(layer, pose)
-            if rung is not None:
-                rungs.append(self._looked_at(rung, 2 if layer.cell_mm <= good_mm else 0))
-                pose = rungs[-1].pose
-        return rungs
+            readable = self._readable(layer, pose)
+            if readable is not None:
+                layer_fits.append(self._prefit(readable, 2 if layer.cell_mm <= good_mm else 0))
+                pose = layer_fits[-1].pose
+        return layer_fits
 
-    def follow(self, expected: MovingPose, miss_px: float) -> Measurement | None:
-        """Measure the finest readable layer right where a pose is expected.
+    def follow(self, expected: MovingPose, miss_px: float) -> RefinedPose | None:
+        """Fit the finest readable layer right where a pose is expected.
 
         None where its cells are small against ``miss_px``, by which the expectation may be off, or
         disagree with the pad: coarser layers may then lead there.
         """
         for layer in sorted(self.pad.layers, key=lambda item: item.cell_mm):
-            rung = self._rung(layer, expected)
-            if rung is not None:
-                if miss_px > _WITHIN * rung.cell_px:
+            readable = self._readable(layer, expected)
+            if readable is not None:
+                if miss_px > _WITHIN * readable.cell_px:
                     return None
-                return self.polish(
-                    [self._looked_at(rung, 1 if miss_px > _HERE * rung.cell_px else 0)]
-                )
+                times = 1 if miss_px > _HERE * readable.cell_px else 0
+                return self.refine_finest([self._prefit(readable, times)])
         return None
 
-    def _rung(self, layer: Layer, pose: MovingPose) -> Rung | None:
+    def _readable(self, layer: Layer, pose: MovingPose) -> LayerFit | None:
         """A layer's borders where a pose puts them, or None where it cannot be read."""
         least_px = self.params.refine.least_cell_px
         borders, cell_px = measurable_borders(
@@ -120,65 +119,64 @@ class Refiner:
         )
         if len(borders.step) < LEAST_BORDERS or cell_px < least_px:
             return None
-        return Rung(layer, borders, cell_px, pose, np.inf)
+        return LayerFit(layer, borders, cell_px, pose, np.inf)
 
-    def _looked_at(self, rung: Rung, times: int) -> Rung:
-        """The rung with the pose that a few of its borders lead to."""
-        few, cell_px = rung.borders.thinned(self.params.refine.few_borders), rung.cell_px
+    def _prefit(self, last: LayerFit, times: int) -> LayerFit:
+        """The layer with the pose that a few of its borders lead to."""
+        few, cell_px = last.borders.thinned(self.params.refine.few_borders), last.cell_px
         for _ in range(times):
-            measured = self._measure(rung.layer, few, rung.pose, cell_px, sharper=0)
-            fit = self._fit(rung.pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
+            measured = self._measure(last.layer, few, last.pose, cell_px, sharper=0)
+            fit = self._fit(last.pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
             if fit is None:
                 break
-            away_px = rung.pose.apart_px(fit.pose, self.camera.focal_px)
-            rung = replace(rung, pose=fit.pose, rms_px=fit.rms_px)
+            away_px = last.pose.apart_px(fit.pose, self.camera.focal_px)
+            last = replace(last, pose=fit.pose, rms_px=fit.rms_px)
             if away_px < _SETTLED * cell_px:
                 break
-        return rung
+        return last
 
-    def polish(self, rungs: list[Rung]) -> Measurement | None:
-        """Measure all borders of the finest layer, or of a coarser one where its cells disagree.
+    def refine_finest(self, layer_fits: list[LayerFit]) -> RefinedPose | None:
+        """Fit all borders of the finest layer, or of a coarser one where its cells disagree.
 
         Lenses and sensors shift channels against each other by parts of a pixel, so that borders of
         two layers together would tell a pose that suits neither.
         """
-        for last in range(len(rungs), 0, -1):
-            rung = rungs[last - 1]
-            fit, measured = self._finish(rung)
+        for last in reversed(layer_fits):
+            fit, measured = self._finish(last)
             if fit is None:
                 continue
-            read = self.read(rung.layer, fit.pose)
+            read = self.read(last.layer, fit.pose)
             if read is not None and read.evidence.suffices(0.0):
-                borders = rung.borders if measured is None else measured.borders
-                camera, cell_px = self.camera, rung.cell_px
-                return Measurement(fit, rung.layer, borders, measured, camera, cell_px, read)
+                borders = last.borders if measured is None else measured.borders
+                camera, cell_px = self.camera, last.cell_px
+                return RefinedPose(fit, last.layer, borders, measured, camera, cell_px, read)
         return None
 
-    def is_far(self, rung: Rung) -> bool:
+    def is_far(self, last: LayerFit) -> bool:
         """True where the finest cells are so small that the pattern is matched as a whole."""
         finest = min(layer.cell_mm for layer in self.pad.layers)
-        return rung.cell_px * finest / rung.layer.cell_mm < self.params.refine.align_below_px
+        return last.cell_px * finest / last.layer.cell_mm < self.params.refine.align_below_px
 
-    def matched(self, rungs: list[Rung]) -> list[Rung]:
-        """The rungs, the last one's pose matched to some pixels of the whole pattern."""
-        last = rungs[-1]
+    def prematch(self, layer_fits: list[LayerFit]) -> list[LayerFit]:
+        """The layers, the last one's pose matched to some pixels of the whole pattern."""
+        last = layer_fits[-1]
         match = Match.of(self.pyramid, self.camera, self.pad, last.pose)
         fit = None if match is None else match.fit(last.pose, motion=False, rough=True)
         pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
-        return [*rungs[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
+        return [*layer_fits[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
 
-    def _finish(self, rung: Rung) -> tuple[Fit | None, Measured | None]:
-        """The best pose for a rung: by the whole pattern from afar, else by all borders."""
-        if self.is_far(rung):
-            fit = self._match(rung)
+    def _finish(self, last: LayerFit) -> tuple[Fit | None, Measured | None]:
+        """The best pose by a layer: by the whole pattern from afar, else by all borders."""
+        if self.is_far(last):
+            fit = self._match(last)
             # Glare bends the shading beyond what the match allows for; borders bear it.
-            if fit is not None and fit.rms_px <= most_residual_px(rung.cell_px):
+            if fit is not None and fit.rms_px <= most_residual_px(last.cell_px):
                 return fit, None
-        measured = self._measure(rung.layer, rung.borders, rung.pose, rung.cell_px, sharper=1)
+        measured = self._measure(last.layer, last.borders, last.pose, last.cell_px, sharper=1)
         rolling = self.params.refine.motion
         if self.motion is not None and rolling:
-            return self._fit(rung.pose, measured, iterations=4), measured
-        fit = self._fit(rung.pose, measured.thinned(_DECIDING), iterations=3)
+            return self._fit(last.pose, measured, iterations=4), measured
+        fit = self._fit(last.pose, measured.thinned(_DECIDING), iterations=3)
         if fit is None:
             return None, measured
         motion = not fit.pose.still
@@ -187,11 +185,11 @@ class Refiner:
         )
         return (replace(full, doubt=fit.doubt) if full else fit), measured
 
-    def _match(self, rung: Rung) -> Fit | None:
+    def _match(self, last: LayerFit) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
-        start = rung.pose
+        start = last.pose
         most = MOST_PIXELS if self.attempts else FOLLOWED_PIXELS
-        match = rung.match or Match.of(self.pyramid, self.camera, self.pad, start, most)
+        match = last.match or Match.of(self.pyramid, self.camera, self.pad, start, most)
         if match is None:
             return None
         rolling = self.params.refine.motion

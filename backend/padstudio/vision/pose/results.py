@@ -1,4 +1,4 @@
-"""What refining a pose hands on: a layer under way, a measurement, the cells read with it."""
+"""What refining a pose hands on: a layer under way, and the refined pose."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from padstudio.vision.pose.least_squares import Fit
 
 
 @dataclass(frozen=True, eq=False)
-class Measurement:
+class RefinedPose:
     """A refined pose and what it rests on.
 
     Attributes
     ----------
     fit : Fit
     layer : Layer
-        The finest layer that was measured.
+        The finest layer whose borders were fitted.
     borders : Borders
         Its borders in view.
     measured : Measured or None
@@ -44,7 +44,7 @@ class Measurement:
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
+class LayerFit:
     """A readable layer with its borders in view, and what its few borders gave.
 
     From afar ``match`` compares the whole pattern near its pose.
