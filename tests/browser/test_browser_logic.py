@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 from browser_support import FRONTEND
@@ -27,10 +28,14 @@ def test_logic(open_page: Callable[..., Page], name: str) -> None:
     page = open_page("/diagnose")
 
     def serve(route: Route) -> None:
-        file = LOGIC / route.request.url.rsplit("/", 1)[1]
+        path = urlsplit(route.request.url).path
+        folder = FRONTEND if path.startswith("/static/") else LOGIC
+        file = folder / path.split("/", 2)[2]
         route.fulfill(body=file.read_text(encoding="utf-8"), content_type="text/javascript")
 
-    page.route("**/tests/*.js", serve)
+    # Modules one by one, which the studio itself serves joined.
+    for served in ("**/tests/*.js", "**/static/js/**"):
+        page.route(served, serve)
     count, faults = page.evaluate(_RUN, name)
     assert count > 3
     assert faults == []

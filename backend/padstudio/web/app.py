@@ -9,11 +9,8 @@ from functools import partial
 
 from fastapi import APIRouter, FastAPI
 from fastapi.concurrency import run_in_threadpool
-from fastapi.staticfiles import StaticFiles
-from starlette.responses import Response
-from starlette.types import Scope
 
-from padstudio import __version__, resources
+from padstudio import __version__
 from padstudio.errors import SpecError
 from padstudio.media.zip_stills import ZipLimits
 from padstudio.store.store import Store
@@ -61,15 +58,6 @@ def get_health() -> Health:
     return Health(version=__version__)
 
 
-class RevalidatedFiles(StaticFiles):
-    """Files that a browser may keep, but asks about before it uses them."""
-
-    async def get_response(self, path: str, scope: Scope) -> Response:
-        response = await super().get_response(path, scope)
-        response.headers["Cache-Control"] = "no-cache"
-        return response
-
-
 def create_app(
     settings: Settings | None = None, *, analyze: Analyze = detection.analyze
 ) -> FastAPI:
@@ -112,7 +100,6 @@ def create_app(
     for resource in _RESOURCES:
         app.include_router(resource.router, prefix=API)
     app.include_router(pages.router)
-    app.mount("/static", RevalidatedFiles(directory=resources.web_folder("frontend")), "static")
     return app
 
 

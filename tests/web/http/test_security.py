@@ -114,7 +114,7 @@ def test_no_other_site_may_read(studio: httpx.Client) -> None:
 
 
 def test_nothing_but_health_without_the_token(guarded: httpx.Client, refused: Refused) -> None:
-    for path in (PADS, "/static/css/base.css", "/design", "/api/v1/openapi.json", "/nothing"):
+    for path in (PADS, "/static/x/icon.svg", "/design", "/api/v1/openapi.json", "/nothing"):
         refused(guarded.get(path), 401, "token_required")
     page = guarded.get("/design", headers={"Accept": "text/html"})
     assert page.status_code == 401

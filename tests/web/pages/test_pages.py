@@ -1,10 +1,11 @@
 from __future__ import annotations
 
-import re
 from html.parser import HTMLParser
 
 import httpx
 import pytest
+
+from padstudio.web.pages import static
 
 PAGES = ("/design", "/plan", "/diagnose", "/flights", "/flights/0123456789abcdef")
 
@@ -69,12 +70,33 @@ def test_the_root_leads_to_design(studio: httpx.Client) -> None:
     assert (answer.status_code, answer.headers["location"]) == (307, "/design")
 
 
-def test_scripts_are_revalidated_and_typed(studio: httpx.Client) -> None:
-    first = studio.get("/static/js/server/api.js").raise_for_status()
-    assert re.match(r"(text|application)/javascript", first.headers["content-type"])
-    assert first.headers["cache-control"] == "no-cache"
-    again = studio.get("/static/js/server/api.js", headers={"If-None-Match": first.headers["etag"]})
-    assert again.status_code == 304
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("design.js", "text/javascript"),
+        ("flight.css", "text/css"),
+        ("design.js.map", "application/json"),
+        ("icon.svg", "image/svg+xml"),
+        ("plotly.min.js", "text/javascript"),
+    ],
+)
+def test_files_are_kept_for_good_under_the_address_of_their_content(
+    studio: httpx.Client, name: str, kind: str
+) -> None:
+    answer = studio.get(static.address(name)).raise_for_status()
+    assert answer.headers["content-type"].startswith(kind)
+    assert answer.headers["cache-control"] == "public, max-age=31536000, immutable"
+    assert answer.headers["content-encoding"] == "gzip"
+    plain = studio.get(static.address(name), headers={"Accept-Encoding": "identity"})
+    assert plain.content == answer.content
+    # A page of before a change finds its file, but asks again.
+    older = studio.get(f"/static/{'0' * 16}/{name}").raise_for_status()
+    assert older.headers["cache-control"] == "no-cache"
+
+
+@pytest.mark.parametrize("name", ["none.js", "error.js", "design", "design.html", "base.css", "."])
+def test_no_other_files_are_served(studio: httpx.Client, name: str) -> None:
+    assert studio.get(f"/static/{'0' * 16}/{name}").status_code == 404
 
 
 def test_answers_of_the_interface_are_not_kept(studio: httpx.Client) -> None:

@@ -9,13 +9,15 @@ from fastapi.templating import Jinja2Templates
 from starlette.responses import RedirectResponse, Response
 
 from padstudio import __version__, resources
-from padstudio.web.pages import charts
+from padstudio.web.pages import static
+from padstudio.web.pages.headers import CHARTS_POLICY
 from padstudio.web.server.services import ItemId
 from padstudio.web.server.settings import Settings
 
 router = APIRouter(include_in_schema=False)
-router.include_router(charts.router)
+router.include_router(static.router)
 templates = Jinja2Templates(directory=resources.web_folder("templates"))
+templates.env.globals["file_address"] = static.address
 
 # A page changes with the program alone; the browser asks each time whether it has.
 _HEADERS = {"Cache-Control": "no-cache"}
@@ -47,15 +49,8 @@ class Page:
 
 @dataclass(frozen=True)
 class FlightPage:
-    """Context of the page of one flight.
+    """Context of the page of one flight."""
 
-    Attributes
-    ----------
-    plotly : str
-        Address of the script that draws the figures.
-    """
-
-    plotly: str = charts.SCRIPT_URL
     name: str = "flight"
     version: str = __version__
 
@@ -98,7 +93,7 @@ def flights(request: Request) -> Response:
 
 @router.get("/flights/{flight_id}")
 def flight(request: Request, flight_id: ItemId) -> Response:
-    headers = _HEADERS | {"Content-Security-Policy": charts.CHARTS_POLICY}
+    headers = _HEADERS | {"Content-Security-Policy": CHARTS_POLICY}
     return templates.TemplateResponse(
         request, "flight.html", {"page": FlightPage()}, headers=headers
     )
