@@ -2,11 +2,26 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from padstudio.compiled import inlined_jit
 
 
+class Quad(NamedTuple):
+    """A quadrangle's corners, one after the other along its outline."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+    x2: float
+    y2: float
+    x3: float
+    y3: float
+
+
 @inlined_jit
-def _area_under(xa, ya, xb, yb, a, b):  # type: ignore[no-untyped-def]
+def _area_under(xa: float, ya: float, xb: float, yb: float, a: float, b: float) -> float:
     """Integral of min(y, b) dx along the part of a segment that lies left of a."""
     if xa > a and xb > a:
         return 0.0
@@ -27,11 +42,11 @@ def _area_under(xa, ya, xb, yb, a, b):  # type: ignore[no-untyped-def]
 
 
 @inlined_jit
-def quadrant_area(x0, y0, x1, y1, x2, y2, x3, y3, a, b):  # type: ignore[no-untyped-def]
+def quadrant_area(quad: Quad, a: float, b: float) -> float:
     """Signed area of the part of a quadrangle that lies left of a and above b (Green's theorem)."""
     return (
-        _area_under(x0, y0, x1, y1, a, b)
-        + _area_under(x1, y1, x2, y2, a, b)
-        + _area_under(x2, y2, x3, y3, a, b)
-        + _area_under(x3, y3, x0, y0, a, b)
+        _area_under(quad.x0, quad.y0, quad.x1, quad.y1, a, b)
+        + _area_under(quad.x1, quad.y1, quad.x2, quad.y2, a, b)
+        + _area_under(quad.x2, quad.y2, quad.x3, quad.y3, a, b)
+        + _area_under(quad.x3, quad.y3, quad.x0, quad.y0, a, b)
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.simulate.radiance.kernel import shade_rows
+from padstudio.simulate.radiance.kernel import View, shade_rows
 from padstudio.simulate.radiance.lens import ray_map
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.radiance.surface import illumination_of, surface_of
@@ -18,6 +18,9 @@ from padstudio.simulate.radiance.surface import illumination_of, surface_of
 # Generators of rank-1 lattices of 16, 64 and 256 points: of all odd ones, those with the largest
 # least distance between points on the unit square, then in the three planes of the cube.
 _LATTICES = ((16, 13, 11), (64, 45, 53), (256, 185, 229))
+
+# Rows that a thread takes at a time: few enough that all threads end together.
+_BAND = 32
 
 
 def radiance(scene: Scene, camera: Camera, tracks: Array) -> NDArray[np.float32]:
@@ -35,21 +38,15 @@ def radiance(scene: Scene, camera: Camera, tracks: Array) -> NDArray[np.float32]
     (H, W, 3) float32
         Linear RGB; 1.0 is white paper's upper bound under light of level 1.
     """
-    # Numba takes half a second to load: only those who render pay for it.
-    rays = ray_map(camera)
-    surface = surface_of(scene)
-    patch_mm = min(float(np.diff(edges).min()) for edges in (surface.x_edges, surface.y_edges))
-    light = illumination_of(scene.light)
+    view = View(ray_map(camera), tracks, _lattices())
+    surface, light = surface_of(scene), illumination_of(scene.light)
     out = np.empty((camera.height, camera.width, 3), np.float32)
-    lattices = _lattices()
 
     def shade(first: int) -> None:
-        last = min(first + band, camera.height)
-        shade_rows(first, last, rays, tracks, lattices, surface, light, patch_mm, out)
+        shade_rows(first, min(first + _BAND, camera.height), view, surface, light, out)
 
-    band = 32
     with ThreadPoolExecutor(max_workers=min(8, os.cpu_count() or 1)) as pool:
-        list(pool.map(shade, range(0, camera.height, band)))
+        list(pool.map(shade, range(0, camera.height, _BAND)))
     out *= np.asarray(scene.light.cast, np.float32)
     return out
 

@@ -22,7 +22,8 @@ class Surface(NamedTuple):
 
     ``patches`` (R, C, 3) are linear colours between ``x_edges`` (C + 1,) and ``y_edges`` (R + 1,),
     page coordinates, mm; ``x_bins`` and ``y_bins`` give the patch at the start of each step of
-    ``bin_mm``. ``to_page`` is (ax, bx, ay, by). ``discs`` (N, 6) are x, y, squared radius, colour.
+    ``bin_mm``, ``patch_mm`` is the smallest side of one.
+    ``to_page`` is (ax, bx, ay, by). ``discs`` (N, 6) are x, y, squared radius, colour.
     ``texture`` (M, 3) holds all levels of a square tile of ``texture_size`` texels, finest first,
     at ``offsets`` (L,).
     """
@@ -33,6 +34,7 @@ class Surface(NamedTuple):
     x_bins: NDArray[np.int32]
     y_bins: NDArray[np.int32]
     bin_mm: float
+    patch_mm: float
     to_page: Array
     discs: Array
     texture: NDArray[np.float32]
@@ -74,6 +76,7 @@ def surface_of(scene: Scene) -> Surface:
         x_bins=_bins(x, bin_mm),
         y_bins=_bins(y, bin_mm),
         bin_mm=bin_mm,
+        patch_mm=smallest,
         to_page=to_page,
         discs=np.array(discs, float).reshape(-1, 6),
         texture=tile.texels,

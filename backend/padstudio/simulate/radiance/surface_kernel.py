@@ -1,21 +1,35 @@
-"""What the simulator's inner loop meets at a point of the ground, and the light there.
-
-The arguments ``surface`` and ``light`` are the records of `padstudio.simulate.radiance.surface`.
-"""
+"""What the simulator's inner loop meets at a point of the ground, and the light there."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.arrays import Array
 from padstudio.compiled import inlined_jit
+from padstudio.simulate.radiance.surface import Illumination, Surface
+
+Rgb = tuple[float, float, float]
+
+
+class Box(NamedTuple):
+    """An upright box on the ground, mm."""
+
+    x0: float
+    x1: float
+    y0: float
+    y1: float
 
 
 @inlined_jit
-def interval(value, edges, bins, bin_mm):  # type: ignore[no-untyped-def]
+def interval(value: float, edges: Array, bins: NDArray[np.int32], bin_mm: float) -> int:
     """The interval between edges that a page coordinate falls into, -1 outside the sheet."""
     if value < 0.0 or value >= edges[edges.shape[0] - 1]:
         return -1
-    i = bins[min(int(value / bin_mm), bins.shape[0] - 1)]
+    i = int(bins[min(int(value / bin_mm), bins.shape[0] - 1)])
     while value >= edges[i + 1]:
         i += 1
     while value < edges[i]:
@@ -24,7 +38,7 @@ def interval(value, edges, bins, bin_mm):  # type: ignore[no-untyped-def]
 
 
 @inlined_jit
-def _bilinear(u, v, base, size, texture):  # type: ignore[no-untyped-def]
+def _bilinear(u: float, v: float, base: int, size: int, texture: NDArray[np.float32]) -> Rgb:
     """Texture of the level at ``base``, at texel coordinates of that level."""
     x = math.floor(u - 0.5)
     y = math.floor(v - 0.5)
@@ -47,7 +61,7 @@ def _bilinear(u, v, base, size, texture):  # type: ignore[no-untyped-def]
 
 
 @inlined_jit
-def ground_color(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
+def ground_color(x: float, y: float, spread_mm: float, surface: Surface) -> Rgb:
     """The texture averaged over about ``spread_mm`` (trilinear between levels)."""
     last = surface.offsets.shape[0] - 1
     depth = min(math.log2(max(spread_mm / surface.texel_mm, 1.0)), float(last))
@@ -67,7 +81,7 @@ def ground_color(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
 
 
 @inlined_jit
-def _disc_at(x, y, discs):  # type: ignore[no-untyped-def]
+def _disc_at(x: float, y: float, discs: Array) -> int:
     """The uppermost disc at a ground point, -1 where there is none."""
     for k in range(discs.shape[0] - 1, -1, -1):
         dx = x - discs[k, 0]
@@ -78,17 +92,19 @@ def _disc_at(x, y, discs):  # type: ignore[no-untyped-def]
 
 
 @inlined_jit
-def touches_disc(x0, x1, y0, y1, discs):  # type: ignore[no-untyped-def]
+def touches_disc(box: Box, discs: Array) -> bool:
+    """Whether a disc reaches into a box."""
     for k in range(discs.shape[0]):
-        dx = max(x0 - discs[k, 0], 0.0, discs[k, 0] - x1)
-        dy = max(y0 - discs[k, 1], 0.0, discs[k, 1] - y1)
+        dx = max(box.x0 - discs[k, 0], 0.0, discs[k, 0] - box.x1)
+        dy = max(box.y0 - discs[k, 1], 0.0, discs[k, 1] - box.y1)
         if dx * dx + dy * dy < discs[k, 2]:
             return True
     return False
 
 
 @inlined_jit
-def light_at(x, y, light):  # type: ignore[no-untyped-def]
+def light_at(x: float, y: float, light: Illumination) -> float:
+    """The light at a ground point, with its shadows."""
     slope = light.gradient[0] * x + light.gradient[1] * y
     value = light.level * min(max(1.0 + slope, 0.08), 4.0)
     shadows = light.shadows
@@ -101,11 +117,11 @@ def light_at(x, y, light):  # type: ignore[no-untyped-def]
             depth = dx * shadows[k, 3] + dy * shadows[k, 4]
         t = min(max(depth / max(shadows[k, 5], 1e-6) + 0.5, 0.0), 1.0)
         value *= 1.0 - shadows[k, 6] * t * t * (3.0 - 2.0 * t)
-    return value
+    return float(value)
 
 
 @inlined_jit
-def color_at(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
+def color_at(x: float, y: float, spread_mm: float, surface: Surface) -> Rgb:
     """Colour of what lies at a ground point: a disc, else the sheet, else the ground."""
     k = _disc_at(x, y, surface.discs)
     if k >= 0:
@@ -117,7 +133,7 @@ def color_at(x, y, spread_mm, surface):  # type: ignore[no-untyped-def]
 
 
 @inlined_jit
-def patch_at(x, y, surface):  # type: ignore[no-untyped-def]
+def patch_at(x: float, y: float, surface: Surface) -> tuple[int, int]:
     """Row and column of the patch at a ground point; column −1 off the sheet."""
     page = surface.to_page
     p = interval(page[0] * x + page[1], surface.x_edges, surface.x_bins, surface.bin_mm)
