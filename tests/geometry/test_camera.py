@@ -1,3 +1,4 @@
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -26,6 +27,38 @@ def test_denormalize_inverts_normalize(camera, pixels):
     back = camera.denormalize(camera.normalize(pixels))
     assert back.shape == pixels.shape
     np.testing.assert_allclose(back, pixels, atol=2e-3)
+
+
+@pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)
+def test_lenses_are_opencvs(camera):
+    """To a part of a pixel that is far below what OpenCV's iteration leaves."""
+    x, y = np.meshgrid(np.linspace(0, 1279, 15), np.linspace(0, 959, 12))
+    pixels = np.stack([x.ravel(), y.ravel()], axis=1)
+    rays = camera.normalize(pixels)
+    assert np.abs(camera.denormalize(rays) - pixels).max() < 1e-9
+    points, zero = np.column_stack([rays, np.ones(len(rays))])[:, None], np.zeros(3)
+    coefficients = np.pad(camera.distortion, (0, 4 - min(len(camera.distortion), 4)))
+    project = cv2.fisheye.projectPoints if camera.model == "fisheye" else cv2.projectPoints
+    plain = project(points, zero, zero, camera.matrix, coefficients)[0].reshape(-1, 2)
+    np.testing.assert_allclose(plain, pixels, atol=1e-9)
+
+
+def test_a_point_behind_the_camera_has_no_picture():
+    for camera in LENSES.values():
+        seen = camera.project([[10, 20, 700], [10, 20, -700], [10, 20, 0]])
+        assert np.isfinite(seen[0]).all()
+        assert np.isnan(seen[1:]).all()
+
+
+def test_a_fisheye_sees_rays_up_to_a_right_angle():
+    """Rays beyond, which the plane z = 1 does not hold, count as just within."""
+    camera = LENSES["fisheye without coefficients"]
+    angles = np.radians([10, 60, 89, 89.999, 91, 120])
+    pixels = np.column_stack([652.3 + 880 * angles, np.full(6, 471.8)])
+    found = camera.normalize(pixels)
+    np.testing.assert_allclose(found[:, 1], 0, atol=1e-9)
+    np.testing.assert_allclose(np.arctan(found[:4, 0]), angles[:4], atol=1e-12)
+    np.testing.assert_allclose(np.arctan(found[4:, 0]), np.pi / 2, atol=2e-6)
 
 
 @pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)

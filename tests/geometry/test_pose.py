@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg
+from padstudio.geometry.pose import (
+    Pose,
+    look_at_pad,
+    rotation_angle_deg,
+    rotation_from_vector,
+    vector_from_rotation,
+)
 
 angles = st.floats(-math.pi, math.pi)
 lengths = st.floats(-5000, 5000)
@@ -111,3 +117,13 @@ def test_image_up_and_right_without_heading_are_the_pads_y_and_x():
 def test_the_angle_between_rotations(pose, angle):
     turned = pose.rotation @ np.asarray(cv2.Rodrigues(np.array([0.6, 0, 0.8]) * angle)[0], float)
     assert rotation_angle_deg(pose.rotation, turned) == pytest.approx(math.degrees(angle), abs=1e-5)
+
+
+@given(
+    angle=st.floats(1e-12, 3.14),
+    axis=st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1),
+)
+def test_rotation_vectors_and_rotations_are_one_to_one(angle, axis):
+    vector = angle * np.array(axis) / np.linalg.norm(axis)
+    back = vector_from_rotation(rotation_from_vector(vector))
+    np.testing.assert_allclose(back, vector, rtol=1e-5, atol=1e-15)

@@ -97,6 +97,13 @@ def cell_grid(levels, channel="red", column0=0, row0=0, seen=None):
     return CellGrid(channel, column0, row0, levels * np.float32(60), seen, relative, xy, 10.0)
 
 
+def seen_by(moving, points_mm, row_time=0.0):
+    """Pad points (N, 3) in the frame of a camera that moves, at row times: the plain form."""
+    s = np.broadcast_to(np.asarray(row_time, float), (len(points_mm),))[:, None]
+    seen = (points_mm - moving.pose.position_mm - s * moving.shift_mm) @ moving.pose.rotation
+    return seen - s * np.cross(moving.rotvec, seen)
+
+
 def pad_normal(pose):
     """The pad plane's normal, away from the camera, in the camera frame."""
     return -pose.rotation.T[:, 2]

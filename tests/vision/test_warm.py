@@ -38,7 +38,7 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         pixels_kernel.impulses,
         least_squares_kernel.fit,
         planar_pnp_kernel.fit_points,
-        least_squares_kernel.normal_equations,
+        least_squares_kernel.information,
         alignment_kernel.match_pattern,
         alignment_kernel.blurred_cells,
         search_kernel.climb,

@@ -6,22 +6,21 @@ Pixel (0, 0) is the centre of the top-left pixel.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError, CameraMismatchError
-from padstudio.geometry import camera_files
+from padstudio.geometry import camera_files, projection
 from padstudio.geometry.camera_files import CameraFields, LensModel
+from padstudio.geometry.projection import Lens
 
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
 # Two aspect ratios count as one when they differ by less than one pixel row in a thousand.
 _ASPECT_TOLERANCE = 2e-3
-# OpenCV 4 has the variant with a stopping rule under a name of its own, OpenCV 5 merged the two.
-_undistort = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +128,15 @@ class Camera:
         """True if any distortion coefficient differs from zero."""
         return bool(np.any(self.distortion)) or self.model == "fisheye"
 
+    @cached_property
+    def lens(self) -> Lens:
+        """The camera as compiled loops take it."""
+        coefficients = np.zeros(9)
+        coefficients[0] = self.model == "fisheye"
+        coefficients[1 : 1 + len(self.distortion)] = self.distortion
+        # A copy, which can be written to, as compiled loops take arrays of one kind.
+        return Lens(self.matrix.copy(), coefficients, self.width, self.height)
+
     @property
     def focal_px(self) -> float:
         """Geometric mean of the two focal lengths, pixels."""
@@ -180,22 +188,13 @@ class Camera:
         (N, 2) float64
             Normalized coordinates x/z, y/z.
         """
-        points = np.ascontiguousarray(pixels, float).reshape(-1, 1, 2)
-        if not len(points):
-            return np.zeros((0, 2))
-        if self.model == "fisheye":
-            coefficients = self.distortion if len(self.distortion) else np.zeros(4)
-            out = cv2.fisheye.undistortPoints(points, self.matrix, coefficients)
-            return np.asarray(out, float).reshape(-1, 2)
-        if not self.distorted:
-            # Arithmetic is far cheaper than OpenCV's iteration for the common ideal lens.
-            xy = points.reshape(-1, 2) - self.matrix[:2, 2]
-            y = xy[:, 1] / self.matrix[1, 1]
-            x = (xy[:, 0] - self.matrix[0, 1] * y) / self.matrix[0, 0]
-            return np.stack([x, y], axis=1)
-        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-10)
-        out = _undistort(points, self.matrix, self.distortion, None, None, None, criteria)
-        return np.asarray(out, float).reshape(-1, 2)
+        points = np.ascontiguousarray(pixels, float).reshape(-1, 2)
+        if self.distorted:
+            return projection.undistorted(points, self.lens)
+        # An ideal lens needs no compiled loops, which take their time to load.
+        y = (points[:, 1] - self.matrix[1, 2]) / self.matrix[1, 1]
+        x = (points[:, 0] - self.matrix[0, 2] - self.matrix[0, 1] * y) / self.matrix[0, 0]
+        return np.stack([x, y], axis=1)
 
     def denormalize(self, normalized: ArrayLike) -> Array:
         """Distort normalized coordinates to pixels; the inverse of `normalize`.
@@ -210,12 +209,10 @@ class Camera:
         (N, 2) float64
             Pixel coordinates.
         """
-        xy = np.ascontiguousarray(normalized, float).reshape(-1, 2)
-        if not len(xy):
-            return np.zeros((0, 2))
+        xy = np.asarray(normalized, float).reshape(-1, 2)
         if self.distorted:
-            points = np.column_stack([xy, np.ones(len(xy))]).reshape(-1, 1, 3)
-            return self._project(points)
+            points = np.column_stack([xy, np.ones(len(xy))])
+            return projection.pixels_of(points, self.lens)
         return xy @ self.matrix[:2, :2].T + self.matrix[:2, 2]
 
     def project(self, points_camera: ArrayLike) -> Array:
@@ -224,21 +221,13 @@ class Camera:
         Parameters
         ----------
         points_camera : (N, 3) array_like
-            Points with z > 0, any length unit.
+            Any length unit.
 
         Returns
         -------
         (N, 2) float64
-            Pixel coordinates.
+            Pixel coordinates; NaN behind the camera.
         """
         points = np.asarray(points_camera, float).reshape(-1, 3)
-        return self.denormalize(points[:, :2] / points[:, 2:])
-
-    def _project(self, points: Array) -> Array:
-        zero = np.zeros(3)
-        if self.model == "fisheye":
-            coefficients = self.distortion if len(self.distortion) else np.zeros(4)
-            out = cv2.fisheye.projectPoints(points, zero, zero, self.matrix, coefficients)[0]
-        else:
-            out = cv2.projectPoints(points, zero, zero, self.matrix, self.distortion)[0]
-        return np.asarray(out, float).reshape(-1, 2)
+        depth = np.where(points[:, 2:] > projection.NEAREST, points[:, 2:], np.nan)
+        return self.denormalize(points[:, :2] / depth)

@@ -9,7 +9,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.geometry import planar_pnp_kernel
-from padstudio.geometry.pose import Pose, rotation_angle_deg
+from padstudio.geometry.pose import Pose, rotation_angle_deg, rotation_from_vector
 
 # Poses nearer to each other than this are one.
 _ALIKE_DEG = 0.05
@@ -101,7 +101,7 @@ def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
 
 def _closed_form(points_mm: Array, rays: Array) -> list[Pose]:
     try:
-        count, turns, shifts, _ = cv2.solvePnPGeneric(
+        count, vectors, shifts, _ = cv2.solvePnPGeneric(
             points_mm.reshape(-1, 1, 3),
             rays.reshape(-1, 1, 2),
             np.eye(3),
@@ -112,7 +112,7 @@ def _closed_form(points_mm: Array, rays: Array) -> list[Pose]:
         return []
     poses = []
     for k in range(count):
-        rotation = np.asarray(cv2.Rodrigues(turns[k])[0], float)
+        rotation = rotation_from_vector(np.asarray(vectors[k], float))
         pose = Pose.from_T_camera_pad(rotation, np.asarray(shifts[k], float))
         if np.isfinite(pose.position_mm).all() and pose.position_mm[2] > 0:
             poses.append(pose)

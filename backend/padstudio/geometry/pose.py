@@ -59,10 +59,19 @@ class Pose:
         T[:3, :3], T[:3, 3] = self.rotation.T, -self.rotation.T @ self.position_mm
         return T
 
+    def to_camera(self, points_mm: Array) -> Array:
+        """Pad points (N, 3) in the camera frame, mm."""
+        return np.asarray((points_mm - self.position_mm) @ self.rotation, float)
+
+    def step_to(self, other: Pose) -> Array:
+        """The step (6,) to another pose: of the centre, mm, and a rotation vector, camera frame."""
+        rotvec = vector_from_rotation(self.rotation.T @ other.rotation)
+        return np.concatenate([other.position_mm - self.position_mm, rotvec])
+
     @property
     def rvec(self) -> Array:
         """(3,) float64, the Rodrigues vector of `T_camera_pad`, radians."""
-        return np.asarray(cv2.Rodrigues(self.rotation.T)[0], float).ravel()
+        return vector_from_rotation(self.rotation.T)
 
     @property
     def tvec_mm(self) -> Array:
@@ -145,14 +154,29 @@ def look_at_pad(
     )
     # The turn about this horizontal axis takes straight down toward the lean direction.
     axis = np.array([-math.cos(lean), math.sin(lean), 0.0])
-    turn = np.asarray(cv2.Rodrigues(-axis * tilt)[0], float)
-    rotation = turn @ down
+    rotation = rotation_from_vector(-axis * tilt) @ down
     forward = rotation[:, 2]
     target = np.array([target_mm[0], target_mm[1], 0.0])
     return Pose(target + forward * (height_mm / forward[2]), rotation)
 
 
+def rotation_from_vector(vector: Array) -> Array:
+    """The rotation (3, 3) of a rotation vector (3,), radians (Rodrigues' formula)."""
+    return np.asarray(cv2.Rodrigues(np.asarray(vector, float))[0], float)
+
+
+def vector_from_rotation(rotation: Array) -> Array:
+    """The rotation vector (3,), radians, of a rotation (3, 3)."""
+    x, y, z = rotation[2, 1], rotation[0, 2], rotation[1, 0]
+    axis = np.array([x - rotation[1, 2], y - rotation[2, 0], z - rotation[0, 1]]) / 2
+    sine, cosine = float(np.linalg.norm(axis)), (float(np.trace(rotation)) - 1) / 2
+    if cosine > 0:
+        # OpenCV takes angles below 1e-5 for none.
+        return axis * (math.atan2(sine, cosine) / sine if sine > 0 else 1.0)
+    return np.asarray(cv2.Rodrigues(rotation)[0], float).ravel()
+
+
 def rotation_angle_deg(a: Array, b: Array) -> float:
-    """Angle of the turn between two rotations, (3, 3) each, in degrees."""
+    """Angle between two rotations, (3, 3) each, in degrees."""
     cosine = (float(np.sum(a * b)) - 1.0) / 2.0
     return math.degrees(math.acos(max(-1.0, min(1.0, cosine))))

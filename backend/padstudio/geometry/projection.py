@@ -1,30 +1,85 @@
-"""Compiled projection of pad points, the innermost loop of everything that follows a pose.
+"""Compiled projection of pad points: lens, moving pose and rolling shutter.
 
-Importing Numba takes half a second, so callers import this module where they first need it. Each
-loop is the plain form of an equation that the calling module documents.
+Pad points go to the camera frame, to the plane z = 1, through the lens to pixels. The lens models
+are OpenCV's: radial-tangential with up to eight coefficients, and the equidistant fisheye.
+
+References
+----------
+Brown, D. C. (1966). Decentering distortion of lenses. Photogrammetric Engineering 32(3).
+Kannala, J. and Brandt, S. S. (2006). A generic camera model and calibration method for
+conventional, wide-angle, and fish-eye lenses. doi:10.1109/TPAMI.2006.153
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from padstudio.arrays import Array
-from padstudio.compiled import fast_jit
+from padstudio.compiled import fast_inlined_jit, fast_jit
 
-# Moments beyond the frame, of points out of view, count up to here.
+# Row times are −0.5 … 0.5; those of points out of view, by extrapolation, count up to here.
 _LATEST = 0.6
-# Newton's steps for a lens: how many, the step of differences, the square that is near enough.
+#: Points nearer to the camera's plane than this, mm, have no picture.
+NEAREST = 1e-6
+# Newton's steps for a lens: how many, the step of differences, the square that is near enough (the
+# step after it is exact to rounding).
 _MOST_STEPS, _TINY, _EXACT = 15, 1e-6, 1e-18
+# Rays of a fisheye at 90 degrees and beyond count as this near to it: they miss the plane z = 1.
+_STEEPEST = math.pi / 2 - 1e-6
 
 
-@fast_jit
-def distorted(u: float, v: float, lens: Array) -> tuple[float, float]:
-    """Where a lens puts a point of the plane z = 1, on that plane.
+class Lens(NamedTuple):
+    """A camera as compiled loops take it.
 
-    ``lens`` (9,) holds 1 for an equidistant fisheye or 0, then OpenCV's coefficients.
+    Attributes
+    ----------
+    matrix : (3, 3) float64
+        OpenCV's K, pixels.
+    coefficients : (9,) float64
+        1 for an equidistant fisheye or 0, then OpenCV's distortion coefficients.
+    width, height : int
+        Size of the frame, pixels.
     """
+
+    matrix: Array
+    coefficients: Array
+    width: int
+    height: int
+
+
+class PoseState(NamedTuple):
+    """A pose that changes within a frame, as compiled loops take it.
+
+    Attributes
+    ----------
+    rotation : (3, 3) float64
+        Takes camera vectors to pad vectors, at the middle row.
+    centre : (3,) float64
+        The camera's centre at the middle row, pad frame, mm.
+    shift, rotvec : (3,) float64
+        As ``shift_mm`` and ``rotvec`` of `padstudio.geometry.rolling_shutter.MovingPose`.
+    """
+
+    rotation: Array
+    centre: Array
+    shift: Array
+    rotvec: Array
+
+
+class Projector(NamedTuple):
+    """A pose and the camera that has it."""
+
+    pose: PoseState
+    lens: Lens
+    still: bool
+
+
+@fast_inlined_jit
+def distorted(u: float, v: float, lens: Array) -> tuple[float, float]:
+    """Where a lens, (9,) as of `Lens`, puts a point of the plane z = 1, on that plane."""
     r2 = u * u + v * v
     if lens[0] > 0:
         r = math.sqrt(r2)
@@ -42,80 +97,136 @@ def distorted(u: float, v: float, lens: Array) -> tuple[float, float]:
 
 
 @fast_jit
-def undistorted(pixels: Array, matrix: Array, lens: Array) -> Array:
+def undistorted(pixels: Array, lens: Lens) -> Array:
     """Where pixels (N, 2) lie on the plane z = 1 without the lens, (N, 2), by Newton's steps."""
+    matrix, bend = lens.matrix, lens.coefficients
     out = np.empty((len(pixels), 2))
     for i in range(len(pixels)):
         v = (pixels[i, 1] - matrix[1, 2]) / matrix[1, 1]
         u = (pixels[i, 0] - matrix[0, 2] - matrix[0, 1] * v) / matrix[0, 0]
-        x, y = u, v
-        for _ in range(_MOST_STEPS):
-            du, dv = distorted(x, y, lens)
-            ax, ay = distorted(x + _TINY, y, lens)
-            bx, by = distorted(x, y + _TINY, lens)
-            xx, xy, yx, yy = ax - du, bx - du, ay - dv, by - dv
-            scale = _TINY / (xx * yy - xy * yx)
-            off_x, off_y = u - du, v - dv
-            x += scale * (yy * off_x - xy * off_y)
-            y += scale * (xx * off_y - yx * off_x)
-            if off_x * off_x + off_y * off_y < _EXACT:
-                break
+        if bend[0] > 0:
+            x, y = without_fisheye(u, v, bend)
+        else:
+            x, y = without_radtan(u, v, bend)
         out[i, 0], out[i, 1] = x, y
     return out
 
 
 @fast_jit
-def picture(
-    x: float, y: float, z: float, s: float, pose: Array, matrix: Array, lens: Array
-) -> tuple[float, float]:
-    """Pixel of a pad point at moment s, NaN behind the camera.
+def without_radtan(u: float, v: float, lens: Array) -> tuple[float, float]:
+    """The point of the plane z = 1 that `distorted` takes to another."""
+    x, y = u, v
+    for _ in range(_MOST_STEPS):
+        du, dv = distorted(x, y, lens)
+        ax, ay = distorted(x + _TINY, y, lens)
+        bx, by = distorted(x, y + _TINY, lens)
+        xx, xy, yx, yy = ax - du, bx - du, ay - dv, by - dv
+        determinant = xx * yy - xy * yx
+        # Where a lens's polynomial turns back it has no inverse.
+        if not determinant > 0:
+            break
+        off_x, off_y = u - du, v - dv
+        step_x = _TINY * (yy * off_x - xy * off_y) / determinant
+        step_y = _TINY * (xx * off_y - yx * off_x) / determinant
+        # Near there steps would lead anywhere.
+        length = math.sqrt(step_x * step_x + step_y * step_y)
+        share = 1.0 if length < 1 else 1 / length
+        x, y = x + share * step_x, y + share * step_y
+        if off_x * off_x + off_y * off_y < _EXACT:
+            break
+    return x, y
 
-    ``pose`` (6, 3) holds the rotation, the centre, and the shift and turn within the frame.
-    """
-    dx = x - pose[3, 0] - s * pose[4, 0]
-    dy = y - pose[3, 1] - s * pose[4, 1]
-    dz = z - pose[3, 2] - s * pose[4, 2]
-    x = dx * pose[0, 0] + dy * pose[1, 0] + dz * pose[2, 0]
-    y = dx * pose[0, 1] + dy * pose[1, 1] + dz * pose[2, 1]
-    z = dx * pose[0, 2] + dy * pose[1, 2] + dz * pose[2, 2]
-    w0, w1, w2 = s * pose[5, 0], s * pose[5, 1], s * pose[5, 2]
-    x, y, z = x - (w1 * z - w2 * y), y - (w2 * x - w0 * z), z - (w0 * y - w1 * x)
-    if z <= 1e-6:
+
+@fast_jit
+def without_fisheye(u: float, v: float, lens: Array) -> tuple[float, float]:
+    """As `without_radtan`, by the angle alone."""
+    bent = math.sqrt(u * u + v * v)
+    if bent < 1e-12:
+        return u, v
+    angle = min(bent, _STEEPEST)
+    for _ in range(_MOST_STEPS):
+        t = angle * angle
+        value = angle * (1 + t * (lens[1] + t * (lens[2] + t * (lens[3] + t * lens[4]))))
+        slope = 1 + t * (3 * lens[1] + t * (5 * lens[2] + t * (7 * lens[3] + t * 9 * lens[4])))
+        off = bent - value
+        angle = min(max(angle + off / slope, 0.0), _STEEPEST)
+        if off * off < _EXACT:
+            break
+    scale = math.tan(angle) / bent
+    return u * scale, v * scale
+
+
+@fast_inlined_jit
+def pixel_of(x: float, y: float, z: float, lens: Lens) -> tuple[float, float]:
+    """Pixel of a point of the camera frame, NaN behind the camera."""
+    if not z > NEAREST:
         return np.nan, np.nan
-    du, dv = distorted(x / z, y / z, lens)
+    matrix = lens.matrix
+    du, dv = distorted(x / z, y / z, lens.coefficients)
     px = matrix[0, 0] * du + matrix[0, 1] * dv + matrix[0, 2]
     return px, matrix[1, 1] * dv + matrix[1, 2]
 
 
 @fast_jit
-def seen_at(
-    x: float, y: float, z: float, pose: Array, matrix: Array, lens: Array, height: int, still: bool
-) -> tuple[float, float, float]:
-    """Pixel of a pad point, and the moment at which its row is read.
+def pixels_of(points: Array, lens: Lens) -> Array:
+    """Pixels (N, 2) of points (N, 3) of the camera frame, NaN behind the camera."""
+    out = np.empty((len(points), 2))
+    for i in range(len(points)):
+        out[i, 0], out[i, 1] = pixel_of(points[i, 0], points[i, 1], points[i, 2], lens)
+    return out
 
-    The row tells when the point was seen, and that where: the secant through two moments settles
-    it to second order.
+
+@fast_inlined_jit
+def in_camera(
+    x: float, y: float, z: float, s: float, pose: PoseState
+) -> tuple[float, float, float]:
+    """A pad point in the camera frame at row time s.
+
+    The change of attitude within one frame is small, so that first order suffices.
     """
-    px, py = picture(x, y, z, 0.0, pose, matrix, lens)
+    rotation, centre, shift = pose.rotation, pose.centre, pose.shift
+    dx = x - centre[0] - s * shift[0]
+    dy = y - centre[1] - s * shift[1]
+    dz = z - centre[2] - s * shift[2]
+    x = dx * rotation[0, 0] + dy * rotation[1, 0] + dz * rotation[2, 0]
+    y = dx * rotation[0, 1] + dy * rotation[1, 1] + dz * rotation[2, 1]
+    z = dx * rotation[0, 2] + dy * rotation[1, 2] + dz * rotation[2, 2]
+    w0, w1, w2 = s * pose.rotvec[0], s * pose.rotvec[1], s * pose.rotvec[2]
+    return x - (w1 * z - w2 * y), y - (w2 * x - w0 * z), z - (w0 * y - w1 * x)
+
+
+@fast_inlined_jit
+def picture(x: float, y: float, z: float, s: float, camera: Projector) -> tuple[float, float]:
+    """Pixel of a pad point at row time s, NaN behind the camera."""
+    cx, cy, cz = in_camera(x, y, z, s, camera.pose)
+    return pixel_of(cx, cy, cz, camera.lens)
+
+
+@fast_inlined_jit
+def seen_at(x: float, y: float, z: float, camera: Projector) -> tuple[float, float, float]:
+    """Pixel of a pad point, and the time at which its row is read, −0.5 … 0.5 of the frame.
+
+    The row tells when the point was seen, and that where: the secant through two times settles it
+    to second order.
+    """
+    height = camera.lens.height
+    px, py = picture(x, y, z, 0.0, camera)
     middle = (height - 1) / 2
     first = min(_LATEST, max(-_LATEST, (py - middle) / height))
-    if still or not abs(first) > 1e-9:
+    if camera.still or not abs(first) > 1e-9:
         return px, py, first
-    qx, qy = picture(x, y, z, first, pose, matrix, lens)
+    qx, qy = picture(x, y, z, first, camera)
     along, down = (qx - px) / first, (qy - py) / first
     s = min(_LATEST, max(-_LATEST, (py - middle) / (height - down)))
     return px + s * along, py + s * down, s
 
 
 @fast_jit
-def project(
-    points: Array, pose: Array, matrix: Array, lens: Array, height: int, still: bool
-) -> Array:
+def project(points: Array, camera: Projector) -> Array:
     """Pixels (N, 2) of pad points (N, 3) under a moving pose, NaN behind the camera."""
     out = np.empty((len(points), 2))
     for i in range(len(points)):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        out[i, 0], out[i, 1], _ = seen_at(x, y, z, pose, matrix, lens, height, still)
+        out[i, 0], out[i, 1], _ = seen_at(points[i, 0], points[i, 1], points[i, 2], camera)
     return out
 
 

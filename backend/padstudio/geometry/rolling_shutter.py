@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 
-import cv2
 import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.geometry import projection
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.pose import Pose
+from padstudio.geometry.pose import Pose, rotation_from_vector
+from padstudio.geometry.projection import PoseState, Projector
 
 # Poses that differ by less are one to begin with.
 _NEAR_RAD = 0.01
@@ -30,14 +30,14 @@ class KnownMotion:
 
     Attributes
     ----------
-    shift_mm, turn : (3,) float64
+    shift_mm, rotvec : (3,) float64
         As of `MovingPose`.
     climb_sigma_mm : float
         One standard deviation of the change of height.
     """
 
     shift_mm: Array
-    turn: Array
+    rotvec: Array
     climb_sigma_mm: float
 
 
@@ -51,55 +51,48 @@ class MovingPose:
         At the middle row's exposure.
     shift_mm : (3,) float64
         Change of the camera's centre from the first row to the last, pad frame.
-    turn : (3,) float64
+    rotvec : (3,) float64
         Rotation vector of the change of attitude from the first row to the last, camera frame,
         radians.
     """
 
     pose: Pose
     shift_mm: Array = field(default_factory=lambda: np.zeros(3))
-    turn: Array = field(default_factory=lambda: np.zeros(3))
+    rotvec: Array = field(default_factory=lambda: np.zeros(3))
+
+    @classmethod
+    def of(cls, state: PoseState) -> MovingPose:
+        """The pose that compiled loops found."""
+        return cls(Pose(state.centre, state.rotation), state.shift, state.rotvec)
 
     @cached_property
     def still(self) -> bool:
         """True where nothing changes during the frame."""
-        return not (self.shift_mm.any() or self.turn.any())
+        return not (self.shift_mm.any() or self.rotvec.any())
 
     @cached_property
-    def _stacked(self) -> Array:
-        return np.vstack([self.pose.rotation, self.pose.position_mm, self.shift_mm, self.turn])
-
-    def to_camera(self, points_mm: Array, moment: Array | float = 0.0) -> Array:
-        """Pad points (N, 3) in the camera frame of given moments, −0.5 … 0.5 of the frame."""
-        s = np.broadcast_to(np.asarray(moment, float), (len(points_mm),))[:, None]
-        seen = (points_mm - self.pose.position_mm - s * self.shift_mm) @ self.pose.rotation
-        # The turn within one frame is small: first order suffices.
-        if self.still:
-            return np.asarray(seen, float)
-        return np.asarray(seen - s * cross(np.broadcast_to(self.turn, seen.shape), seen), float)
-
-    def moment(self, camera: Camera, rows: Array) -> Array:
-        """Moments of frame rows, −0.5 … 0.5."""
-        return (rows - (camera.height - 1) / 2) / camera.height
+    def state(self) -> PoseState:
+        """The pose as compiled loops take it."""
+        parts = (self.pose.rotation, self.pose.position_mm, self.shift_mm, self.rotvec)
+        return PoseState(*(np.ascontiguousarray(part, float) for part in parts))
 
     def project(self, camera: Camera, points_mm: Array) -> Array:
         """Frame pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
-        return projection.project(np.ascontiguousarray(points_mm, float), *self.plain(camera))
+        return projection.project(np.ascontiguousarray(points_mm, float), self.projector(camera))
 
-    def plain(self, camera: Camera) -> tuple[Array, Array, Array, int, bool]:
-        """The pose (6, 3) and the camera as `padstudio.geometry.projection` takes them."""
-        return self._stacked, camera.matrix, _lens(camera), camera.height, self.still
+    def projector(self, camera: Camera) -> Projector:
+        """The pose and the camera as compiled loops take them."""
+        return Projector(self.state, camera.lens, self.still)
 
     def moved(self, step: Array) -> MovingPose:
-        """The pose after a step of 6 or 12: centre (mm, pad), turn (camera), and their changes."""
-        turn = np.asarray(cv2.Rodrigues(np.asarray(step[3:6], float))[0], float)
-        rotation = self.pose.rotation @ turn
+        """The pose after a step (6,) as of `Pose.step_to`, or (12,) with those of the changes."""
+        rotation = self.pose.rotation @ rotation_from_vector(step[3:6])
         # One step of Newton's toward the nearest rotation takes away what rounding adds.
         rotation = rotation @ (1.5 * np.eye(3) - 0.5 * (rotation.T @ rotation))
         pose = Pose(self.pose.position_mm + step[:3], rotation)
         if len(step) == 6:
-            return MovingPose(pose, self.shift_mm, self.turn)
-        return MovingPose(pose, self.shift_mm + step[6:9], self.turn + step[9:12])
+            return MovingPose(pose, self.shift_mm, self.rotvec)
+        return MovingPose(pose, self.shift_mm + step[6:9], self.rotvec + step[9:12])
 
     def near(self, other: MovingPose) -> bool:
         """True where another pose is so near that either leads to the same best one."""
@@ -115,21 +108,9 @@ class MovingPose:
 
     def step_to(self, other: MovingPose) -> Array:
         """The step (6,) of `moved` that leads to another's pose."""
-        turn = cv2.Rodrigues(self.pose.rotation.T @ other.pose.rotation)[0].ravel()
-        return np.concatenate([other.pose.position_mm - self.pose.position_mm, turn])
+        return self.pose.step_to(other.pose)
 
 
-def normalized(camera: Camera, pixels: Array) -> Array:
-    """As `Camera.normalize`, for thousands of points through a lens."""
-    if not camera.distorted:
-        return camera.normalize(pixels)
-    return projection.undistorted(np.ascontiguousarray(pixels, float), camera.matrix, _lens(camera))
-
-
-@lru_cache(maxsize=8)
-def _lens(camera: Camera) -> Array:
-    """The lens (9,) as of `padstudio.geometry.projection.distorted`."""
-    lens = np.zeros(9)
-    lens[0] = camera.model == "fisheye"
-    lens[1 : 1 + len(camera.distortion)] = camera.distortion
-    return lens
+def row_times(camera: Camera, rows: Array) -> Array:
+    """Times at which frame rows are read, −0.5 … 0.5 of the frame."""
+    return (rows - (camera.height - 1) / 2) / camera.height

@@ -168,8 +168,5 @@ def corners_px(camera: Camera, pose: Pose, pad: Pad, channel: Channel) -> Array:
         Pixels; NaN for corners behind the camera.
     """
     corners = corners_mm(pad, channel)
-    points = (corners.reshape(-1, 3) - pose.position_mm) @ pose.rotation
-    out = np.full((len(points), 2), np.nan)
-    front = points[:, 2] > 1e-6
-    out[front] = camera.project(points[front])
-    return out.reshape(*corners.shape[:2], 2)
+    pixels = camera.project(pose.to_camera(corners.reshape(-1, 3)))
+    return pixels.reshape(*corners.shape[:2], 2)

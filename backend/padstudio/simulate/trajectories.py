@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-import cv2
 import numpy as np
 
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.pose import Pose, look_at_pad
+from padstudio.geometry.pose import Pose, look_at_pad, rotation_from_vector
 from padstudio.simulate.motion import Motion
 from padstudio.simulate.radiance.lens import check_lens
 from padstudio.simulate.radiance.scene import Scene
@@ -151,9 +150,9 @@ def wandering_path(
         share = share * share * (3.0 - 2.0 * share)
         height = from_mm * (to_mm / from_mm) ** share
         level = look_at_pad(height, heading_deg=math.degrees(heading + turn(time_s))).rotation
-        tip = cv2.Rodrigues(np.array([lean[0](time_s), lean[1](time_s), 0.0]))[0]
+        tip = rotation_from_vector(np.array([lean[0](time_s), lean[1](time_s), 0.0]))
         place = np.array([height * drift[0](time_s), height * drift[1](time_s), height])
-        return Pose(place, level @ np.asarray(tip, float))
+        return Pose(place, level @ tip)
 
     return path
 
@@ -161,9 +160,8 @@ def wandering_path(
 def motion_along(path: Path, time_s: float) -> Motion:
     """Velocities on a path, by central differences."""
     before, after = path(time_s - _STEP_S), path(time_s + _STEP_S)
-    velocity = (after.position_mm - before.position_mm) / (2 * _STEP_S)
-    turn = np.asarray(cv2.Rodrigues(before.rotation.T @ after.rotation)[0], float).ravel()
-    rate = np.degrees(turn) / (2 * _STEP_S)
+    change = before.step_to(after) / (2 * _STEP_S)
+    velocity, rate = change[:3], np.degrees(change[3:])
     return Motion(
         velocity_mm_s=(float(velocity[0]), float(velocity[1]), float(velocity[2])),
         angular_deg_s=(float(rate[0]), float(rate[1]), float(rate[2])),

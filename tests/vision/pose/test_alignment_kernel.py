@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from dense_frames import random_pose
+from dense_frames import random_pose, seen_by
 
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.pose import alignment_kernel
+from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
 
 
 def moving_pose(seed):
@@ -18,10 +19,7 @@ def moving_pose(seed):
 
 def meet(pose, ray, s):
     out = np.empty((2, 7))
-    rotation = np.ascontiguousarray(pose.pose.rotation)
-    alignment_kernel.meet_pad(
-        ray, s, rotation, pose.pose.position_mm, pose.shift_mm, pose.turn, out
-    )
+    alignment_kernel.meet_pad(ray, s, pose.state, out)
     return out
 
 
@@ -30,7 +28,7 @@ def test_points_on_the_pad_move_with_the_pose_as_said(seed):
     pose, rng = moving_pose(seed)
     ray, s = np.array([*rng.uniform(-0.2, 0.2, 2), 1.0]), rng.uniform(-0.5, 0.5)
     met = meet(pose, ray, s)
-    seen = pose.to_camera(np.array([[*met[:, 0], 0.0]]), s)[0]
+    seen = seen_by(pose, np.array([[*met[:, 0], 0.0]]), s)[0]
     np.testing.assert_allclose(seen[:2] / seen[2], ray[:2], atol=2e-5)
     for k, size in enumerate([1e-2] * 3 + [1e-5] * 3):
         step = np.zeros(6)
@@ -60,23 +58,16 @@ def equations(pose, shift_brightness, size, scale=0.0, seed=0):
     layers = np.stack([np.sin(x) * np.cos(y), np.cos(1.3 * x + y)]).astype(np.float32)
     known = rng.normal(0, 20, (2, 12))
     known[0] += shift_brightness
-    return alignment_kernel.match_pattern(
+    pixels = Pixels(
         rays,
         rng.uniform(-0.5, 0.5, n),
         np.column_stack([np.ones(n), rng.uniform(-1, 1, (n, 5))]),
         rng.integers(0, 4, n),
-        4,
         rng.uniform(0, 255, (2, n)).astype(np.float32),
-        layers,
-        np.array([45.0, 0.05, 45.0, -0.05]),
-        np.ascontiguousarray(pose.pose.rotation),
-        pose.pose.position_mm,
-        pose.shift_mm,
-        pose.turn,
-        known,
-        np.full(2, scale),
-        size,
     )
+    texture = Texture(layers, np.array([45.0, 0.05, 45.0, -0.05]))
+    brightness = Brightness(known, np.full(2, scale))
+    return alignment_kernel.match_pattern(pixels, texture, pose.state, brightness, size, 4)
 
 
 @pytest.mark.parametrize("size", [6, 12])

@@ -16,9 +16,9 @@ def step_in(values, sign, at=30.0):
 
 
 def step_of(window, sign, at=30.0):
-    return edge_points_kernel.find_step(
-        window, (at, 25.0), (6.0, 0.0), (0.0, 3.0), sign, np.empty(edge_points_kernel._STEPS)
-    )
+    profile = edge_points_kernel.Profile((at, 25.0), (6.0, 0.0), (0.0, 3.0))
+    values = np.empty(edge_points_kernel._STEPS)
+    return edge_points_kernel.find_step(window, profile, sign, values)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -62,15 +62,16 @@ def test_a_step_in_brightness_and_colour_is_found_where_both_have_it(level):
     assert spent == pytest.approx(rise, rel=0.02)
 
 
-def test_steps_that_lean_toward_the_dark_are_told_from_a_shift():
+def test_an_edge_bias_toward_the_dark_is_told_from_a_shift():
     rng = np.random.default_rng(4)
     upright, rising = rng.random(400) < 0.5, rng.random(400) < 0.5
     off = np.where(rising, 0.3, -0.3) * np.where(upright, 1.0, 0.5) + 0.8
     off += rng.normal(0, 0.01, 400)
-    left = off - edge_points_kernel.lean(off, upright, rising)
+    bias = edge_points_kernel.edge_bias
+    left = off - bias(off, upright, rising)
     np.testing.assert_allclose(left, 0.8, atol=0.05)
     few = np.arange(400) < 20
-    np.testing.assert_array_equal(edge_points_kernel.lean(off[few], upright[few], rising[few]), 0)
+    np.testing.assert_array_equal(bias(off[few], upright[few], rising[few]), 0)
 
 
 @pytest.mark.parametrize("blur_px", [0.5, 0.8, 1.2])

@@ -9,6 +9,7 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.simulate.sensor import Imaging
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.image_alignment import Match
+from padstudio.vision.pose.least_squares import MOVING, STILL
 
 CAMERA = small_camera()
 
@@ -18,7 +19,7 @@ def view(pose, imaging=None):
 
 
 def matched(pyramid, start):
-    return Match.of(pyramid, CAMERA, sample_pad(), start).fit(start, motion=False)
+    return Match.of(pyramid, CAMERA, sample_pad(), start).fit(start, STILL)
 
 
 @pytest.mark.parametrize("height_mm", [2500.0, 5000.0])
@@ -58,7 +59,7 @@ def test_a_rough_match_tells_a_right_start_from_a_mirrored_one():
     pyramid, off = view(pose), []
     for start in (pose, mirrored):
         match = Match.of(pyramid, CAMERA, sample_pad(), MovingPose(start))
-        fit = match.fit(MovingPose(start), motion=False, rough=True)
+        fit = match.fit(MovingPose(start), STILL, rough=True)
         off.append(fit.rms_px)
     assert off[0] < 0.8 * off[1]
 
@@ -67,8 +68,8 @@ def test_brightness_found_for_one_pose_serves_the_next():
     pose = MovingPose(look_at_pad(3000.0, tilt_deg=15, heading_deg=40))
     start = pose.moved(np.array([3.0, -2.0, 4.0, 0.0004, 0, 0.001]))
     match = Match.of(view(pose.pose), CAMERA, sample_pad(), start)
-    first = match.fit(start, motion=False)
-    again = match.fit(first.pose, motion=False)
-    moving = match.fit(first.pose, motion=True)
+    first = match.fit(start, STILL)
+    again = match.fit(first.pose, STILL)
+    moving = match.fit(first.pose, MOVING)
     assert np.abs(first.pose.step_to(again.pose)[:3]).max() < 0.2
     assert moving.rms_px <= again.rms_px * 1.001

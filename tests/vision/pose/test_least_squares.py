@@ -6,7 +6,7 @@ from dense_frames import all_borders, errors, random_pose, sample_pad, small_cam
 
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.vision.pose.edge_points import Measured
-from padstudio.vision.pose.least_squares import better_of, fit_pose
+from padstudio.vision.pose.least_squares import MOVING, STILL, MotionModel, better_of, fit_pose
 
 CAMERA = small_camera()
 
@@ -31,7 +31,7 @@ def nudged(pose, seed=1, mm=6.0, rad=0.01):
 @pytest.mark.parametrize("seed", range(4))
 def test_exact_borders_give_the_exact_pose(seed):
     pose = random_pose(np.random.default_rng(seed), 900.0, tilt_deg=50.0)
-    fit = fit_pose(nudged(pose), measured_by(MovingPose(pose)), CAMERA, motion=False, iterations=8)
+    fit = fit_pose(nudged(pose), measured_by(MovingPose(pose)), CAMERA, STILL, iterations=8)
     assert fit is not None
     position, attitude = errors(fit.pose.pose, pose)
     assert position < 1e-3
@@ -44,7 +44,7 @@ def test_a_fifth_of_wild_borders_does_not_matter():
     measured = measured_by(MovingPose(pose), noise_px=0.1)
     wild = np.arange(len(measured.xy)) % 5 == 0
     measured.xy[wild] += np.random.default_rng(2).uniform(-9, 9, (wild.sum(), 2))
-    fit = fit_pose(nudged(pose), measured, CAMERA, motion=False, iterations=8)
+    fit = fit_pose(nudged(pose), measured, CAMERA, STILL, iterations=8)
     assert fit is not None
     assert errors(fit.pose.pose, pose)[0] < 0.1
     assert fit.inliers[~wild].mean() > 0.95
@@ -57,7 +57,11 @@ def test_the_covariance_is_true_for_a_shutter_that_does_not_roll():
     for seed in range(60):
         measured = measured_by(MovingPose(pose), noise_px=0.3, seed=seed)
         fit = fit_pose(
-            MovingPose(pose), measured, CAMERA, motion=False, iterations=4, rolling=False
+            MovingPose(pose),
+            measured,
+            CAMERA,
+            MotionModel(moving=False, rolling=False),
+            iterations=4,
         )
         assert fit is not None
         error = fit.pose.step_to(MovingPose(pose))
@@ -69,7 +73,7 @@ def test_a_shutter_that_may_roll_leaves_height_against_tilt_in_doubt():
     pose = random_pose(np.random.default_rng(5), 900.0, tilt_deg=5.0)
     measured = measured_by(MovingPose(pose), noise_px=0.1)
     sure, unsure = (
-        fit_pose(MovingPose(pose), measured, CAMERA, motion=False, rolling=rolling)
+        fit_pose(MovingPose(pose), measured, CAMERA, MotionModel(moving=False, rolling=rolling))
         for rolling in (False, True)
     )
     assert sure is not None
@@ -88,9 +92,9 @@ def test_motion_within_a_frame_is_found_and_chosen():
     pose = random_pose(np.random.default_rng(3), 900.0, tilt_deg=10.0)
     true = MovingPose(pose, np.array([5.0, -4.0, 0.0]), np.array([0.002, 0.001, 0.004]))
     measured = measured_by(true, noise_px=0.1)
-    still = fit_pose(nudged(pose), measured, CAMERA, motion=False, iterations=6)
+    still = fit_pose(nudged(pose), measured, CAMERA, STILL, iterations=6)
     assert still is not None
-    moving = fit_pose(still.pose, measured, CAMERA, motion=True, iterations=6)
+    moving = fit_pose(still.pose, measured, CAMERA, MOVING, iterations=6)
     assert moving is not None
     assert better_of(still, moving) is moving
     assert errors(moving.pose.pose, pose)[0] < errors(still.pose.pose, pose)[0]
@@ -102,9 +106,9 @@ def test_motion_within_a_frame_is_found_and_chosen():
 def test_a_still_camera_stays_still_and_the_other_model_is_doubt():
     pose = random_pose(np.random.default_rng(3), 900.0)
     measured = measured_by(MovingPose(pose), noise_px=0.3)
-    still = fit_pose(nudged(pose), measured, CAMERA, motion=False, iterations=6)
+    still = fit_pose(nudged(pose), measured, CAMERA, STILL, iterations=6)
     assert still is not None
-    moving = fit_pose(still.pose, measured, CAMERA, motion=True, iterations=6)
+    moving = fit_pose(still.pose, measured, CAMERA, MOVING, iterations=6)
     chosen = better_of(still, moving)
     assert chosen.pose is still.pose
     assert np.linalg.eigvalsh(chosen.covariance - still.covariance)[0] > -1e-9
@@ -116,8 +120,10 @@ def test_a_known_climb_is_told_from_tilt():
     true = MovingPose(pose, np.array([0.0, 0.0, -9.0]))
     measured = measured_by(true, noise_px=0.1)
     known = KnownMotion(np.array([0.0, 0.0, -9.0]), np.zeros(3), 0.5)
-    blind = fit_pose(MovingPose(pose), measured, CAMERA, motion=True, iterations=6)
-    told = fit_pose(MovingPose(pose), measured, CAMERA, motion=True, iterations=6, known=known)
+    blind = fit_pose(MovingPose(pose), measured, CAMERA, MOVING, iterations=6)
+    told = fit_pose(
+        MovingPose(pose), measured, CAMERA, MotionModel(moving=True, known=known), iterations=6
+    )
     assert blind is not None
     assert told is not None
     assert errors(told.pose.pose, pose)[0] < 0.3 * errors(blind.pose.pose, pose)[0]
@@ -131,4 +137,4 @@ def test_too_few_borders_are_no_fit():
     pose = random_pose(np.random.default_rng(3), 900.0)
     measured = measured_by(MovingPose(pose))
     few = Measured(measured.borders.take(np.arange(11)), measured.xy[:11], measured.weight[:11])
-    assert fit_pose(MovingPose(pose), few, CAMERA, motion=False) is None
+    assert fit_pose(MovingPose(pose), few, CAMERA, STILL) is None

@@ -2,12 +2,13 @@
 
 import cv2
 import numpy as np
-from dense_frames import borders_amid, random_pose, sample_pad
+from dense_frames import borders_amid, random_pose, sample_pad, seen_by
 from hypothesis import given
 from hypothesis import strategies as st
 
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.pose import least_squares_kernel
+from padstudio.vision.pose.least_squares_kernel import Sightings
 
 BORDERS = borders_amid(sample_pad(), sample_pad().layers[1], 4.5)
 
@@ -18,45 +19,37 @@ def moving_pose(seed):
     return MovingPose(pose, rng.normal(0, 4, 3), rng.normal(0, 0.004, 3)), rng
 
 
-def linearized(pose, rays, moment):
-    return least_squares_kernel.linearize(
-        BORDERS.points_mm,
-        BORDERS.along_mm,
-        rays,
-        moment,
-        np.ascontiguousarray(pose.pose.rotation),
-        pose.pose.position_mm,
-        pose.shift_mm,
-        pose.turn,
-    )
+def linearized(pose, rays, row_time):
+    seen = Sightings(BORDERS.points_mm, BORDERS.along_mm, rays, row_time, np.ones(len(rays)))
+    return least_squares_kernel.linearize(seen, pose.state)
 
 
 @given(seed=st.integers(0, 10**6))
 def test_the_jacobian_is_the_residuals_change(seed):
     pose, rng = moving_pose(seed)
-    moment = rng.uniform(-0.5, 0.5, len(BORDERS.step))
-    seen = pose.to_camera(BORDERS.points_mm, moment)
+    row_time = rng.uniform(-0.5, 0.5, len(BORDERS.step))
+    seen = seen_by(pose, BORDERS.points_mm, row_time)
     rays = seen[:, :2] / seen[:, 2:]
-    rows = linearized(pose, rays, moment)
+    rows = linearized(pose, rays, row_time)
     np.testing.assert_allclose(rows[:, 0], 0, atol=1e-12)
     # Measured on the border itself, its own turn with the pose does not count.
     steps = np.diag([1e-3] * 3 + [1e-6] * 3 + [1e-3] * 3 + [1e-6] * 3)
     for k, step in enumerate(steps):
-        after, before = (linearized(pose.moved(sign * step), rays, moment) for sign in (1, -1))
+        after, before = (linearized(pose.moved(sign * step), rays, row_time) for sign in (1, -1))
         change = (after[:, 0] - before[:, 0]) / (2 * step[k])
-        expected = -rows[:, 1 + k % 6] * (moment if k >= 6 else 1)
+        expected = -rows[:, 1 + k % 6] * (row_time if k >= 6 else 1)
         size = np.abs(expected).max()
         np.testing.assert_allclose(change, expected, atol=3e-2 * size + 1e-9)
 
 
 def test_normal_equations_are_the_plain_products():
     rng = np.random.default_rng(5)
-    rows, moment = rng.normal(size=(40, 7)), rng.uniform(-0.5, 0.5, 40)
+    rows, row_time = rng.normal(size=(40, 7)), rng.uniform(-0.5, 0.5, 40)
     weight = rng.uniform(0, 1, 40)
     weight[3] = 0
     for size in (6, 12):
-        jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
-        normal, right = least_squares_kernel.normal_equations(rows, moment, weight, size)
+        jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * row_time[:, None]])[:, :size]
+        normal, right = least_squares_kernel.normal_equations(rows, row_time, weight, size)
         np.testing.assert_allclose(normal, jacobian.T @ (jacobian * weight[:, None]), atol=1e-12)
         np.testing.assert_allclose(right, jacobian.T @ (weight * rows[:, 0]), atol=1e-12)
 
@@ -88,10 +81,10 @@ def test_turns_are_those_of_rodrigues(seed, size):
 @given(seed=st.integers(0, 10**6), size=st.sampled_from([6, 12]))
 def test_scores_are_the_right_sides_parts(seed, size):
     rng = np.random.default_rng(seed)
-    rows, moment, weight = rng.normal(size=(60, 7)), rng.uniform(-1, 1, 60), rng.uniform(0, 1, 60)
+    rows, row_time, weight = rng.normal(size=(60, 7)), rng.uniform(-1, 1, 60), rng.uniform(0, 1, 60)
     tile = rng.integers(0, 9, 60)
-    parts = least_squares_kernel.scores(rows, moment, weight, tile, 9, size)
-    jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * moment[:, None]])[:, :size]
+    parts = least_squares_kernel.scores(rows, row_time, weight, tile, 9, size)
+    jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * row_time[:, None]])[:, :size]
     for number in range(9):
         here = tile == number
         plain = (weight[here] * rows[here, 0]) @ jacobian[here]

@@ -47,9 +47,9 @@ def test_pixels_show_the_pad_and_nothing_beyond_its_rim():
     pixels = pixels_of(pyramid, CAMERA, sample_pad(), MovingPose(pose), 16_000)
     assert pixels is not None
     assert np.abs(on_pad(pose, pixels.rays)).max() < 625
-    assert pixels.values.shape == (2, len(pixels.moment))
-    stride = -(-len(pixels.moment) // 1000)
+    assert pixels.values.shape == (2, len(pixels.row_time))
+    stride = -(-len(pixels.row_time) // 1000)
     few = pixels.thinned(1000)
-    assert len(few.moment) <= 1000
+    assert len(few.row_time) <= 1000
     np.testing.assert_array_equal(few.values, pixels.values[:, ::stride])
     assert pixels.thinned(10**6) is pixels

@@ -18,6 +18,12 @@ def lattice_in(image, channel, camera, *, level=0, steep=False):
     return None if families is None else find_lattice(families)
 
 
+def coordinates_of(lattice, rays):
+    """Lattice coordinates (N, 2) of rays (N, 3)."""
+    found = rays @ np.linalg.inv(lattice.ray_from_lattice).T
+    return found[:, :2] / found[:, 2:]
+
+
 @pytest.mark.parametrize(
     ("channel", "height_mm", "tilt_deg", "lens"),
     [
@@ -40,7 +46,7 @@ def test_whole_numbers_lie_on_corners(channel, height_mm, tilt_deg, lens):
     true = corners_px(camera, pose, sample_pad(), channel).reshape(-1, 2)
     inside = (true > 5).all(axis=1) & (true < [camera.width - 6, camera.height - 6]).all(axis=1)
     rays = np.column_stack([camera.normalize(true[inside]), np.ones(inside.sum())])
-    at = lattice.from_rays(rays)
+    at = coordinates_of(lattice, rays)
     off = np.abs(at - np.round(at))
     assert np.median(off) < 0.05
     assert np.percentile(off, 95) < 0.2
@@ -58,7 +64,7 @@ def test_rays_and_lattice_coordinates_are_one_to_one():
     assert lattice is not None
     at = np.random.default_rng(0).uniform(-5, 5, (50, 2))
     rays = np.column_stack([lattice.to_rays(at), np.ones(50)])
-    np.testing.assert_allclose(lattice.from_rays(3.7 * rays), at, atol=1e-8)
+    np.testing.assert_allclose(coordinates_of(lattice, 3.7 * rays), at, atol=1e-8)
 
 
 def test_noise_has_no_order():

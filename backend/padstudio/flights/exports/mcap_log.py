@@ -183,7 +183,7 @@ def outline(pose: Pose, camera: Camera, size_mm: tuple[float, float]) -> Array:
     share = np.arange(_PIECES)[:, None] / _PIECES
     sides = [(1 - share) * a + share * b for a, b in itertools.pairwise(corners)]
     flat = np.vstack([*sides, corners[:1]])
-    points = (np.c_[flat, np.zeros(len(flat))] - pose.position_mm) @ pose.rotation
+    points = pose.to_camera(np.c_[flat, np.zeros(len(flat))])
     rim = np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]])
     # Far beyond the picture a lens's formula is not that of the lens.
     reach = 1.1 * np.abs(camera.normalize(rim - 0.5)).max(axis=0)
@@ -192,7 +192,7 @@ def outline(pose: Pose, camera: Camera, size_mm: tuple[float, float]) -> Array:
     seen = ahead & (np.abs(slope) <= reach).all(axis=1)
     both = np.flatnonzero(seen[:-1] & seen[1:])
     ends = np.column_stack([both, both + 1]).ravel()
-    return camera.project(points[ends]) if len(ends) else np.zeros((0, 2))
+    return camera.project(points[ends])
 
 
 def _vector(values: Array) -> Message:

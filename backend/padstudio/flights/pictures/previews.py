@@ -16,13 +16,12 @@ from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import rotation_of
 from padstudio.flights.tasks.frames import StillPart, read_still
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
 
 _BYTES_OF_TIMESTAMP = 8
 _QUALITY = 82
 _POINTS_A_SIDE = 24
-# What is nearer to the lens than this projects to anywhere.
-_LEAST_DEPTH_MM = 5.0
 _PAD_COLOUR = (0, 220, 255)
 _AXIS_COLOURS = ((60, 60, 235), (60, 200, 60), (235, 120, 60))
 
@@ -121,11 +120,8 @@ def _pad_size_mm(pad: str) -> tuple[float, float]:
 def _project(points_mm: Array, camera: Camera, record: Mapping[str, Any], scale: float) -> Array:
     """Pixels of the picture of points in the pad frame; NaN behind the camera."""
     rotation = rotation_of(record["quaternion_xyzw"])
-    seen = (points_mm - np.asarray(record["position_mm"], float)) @ rotation
-    pixels = np.full((len(points_mm), 2), np.nan)
-    ahead = seen[:, 2] > _LEAST_DEPTH_MM
-    pixels[ahead] = (camera.project(seen[ahead]) + 0.5) * scale - 0.5
-    return pixels
+    pose = Pose(np.asarray(record["position_mm"], float), rotation)
+    return (camera.project(pose.to_camera(points_mm)) + 0.5) * scale - 0.5
 
 
 def _stroke(picture: Image, pixels: Array, colour: tuple[int, int, int]) -> None:

@@ -64,7 +64,7 @@ def of_refined(refined: RefinedPose, choice: Choice) -> Detection:
         uncertainty=_uncertainty(fit, refined.camera.focal_px),
         ambiguity=_ambiguity(refined),
         shift_mm=fit.pose.shift_mm,
-        turn_rad=fit.pose.turn,
+        turn_rad=fit.pose.rotvec,
     )
 
 

@@ -11,11 +11,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from padstudio.arrays import Array
-from padstudio.geometry.pose import Pose
+from padstudio.geometry.pose import Pose, rotation_from_vector
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.vision.stage.detection import Detection
 
@@ -68,20 +67,23 @@ class Tracker:
         last = self._past[-1]
         if len(self._past) < 2:
             return Expectation(MovingPose(last))
-        shift, turn = _step(self._past[-2], last)
-        pose = Pose(last.position_mm + shift, last.rotation @ _rotation(turn))
+        step = self._past[-2].step_to(last)
+        shift, rotvec = step[:3], step[3:]
+        pose = Pose(last.position_mm + shift, last.rotation @ rotation_from_vector(rotvec))
         share = self._share()
         if share is None:
             return Expectation(MovingPose(pose), miss=self._miss)
-        motion = KnownMotion(share * shift, share * turn, self._climb_sigma(share, shift))
-        return Expectation(MovingPose(pose, motion.shift_mm, motion.turn), motion, self._miss)
+        motion = KnownMotion(share * shift, share * rotvec, self._climb_sigma(share, shift))
+        return Expectation(MovingPose(pose, motion.shift_mm, motion.rotvec), motion, self._miss)
 
     def _climb_sigma(self, share: float, shift: Array) -> float:
         """How far the change of height in a frame may be off, mm.
 
         The share is not known exactly, and the climb may go on changing as it did.
         """
-        before = _step(self._past[0], self._past[1])[0] if len(self._past) > 2 else shift
+        before = shift
+        if len(self._past) > 2:
+            before = self._past[1].position_mm - self._past[0].position_mm
         floor = _LEAST_CLIMB * float(self._past[-1].position_mm[2])
         parts = (_KNOWN / 2 * shift[2], 1.5 * share * (shift[2] - before[2]), floor)
         return float(np.linalg.norm(parts))
@@ -100,7 +102,8 @@ class Tracker:
 
     def _compare(self, pose: Pose, shift_mm: Array, turn_rad: Array) -> None:
         """Least squares for the share: motion within the frame over motion between frames."""
-        between = _apparent(pose, *_step(self._past[-1], pose))
+        step = self._past[-1].step_to(pose)
+        between = _apparent(pose, step[:3], step[3:])
         within = _apparent(pose, shift_mm, turn_rad)
         self._weight = _MEMORY * self._weight + float(between @ between)
         self._product = _MEMORY * self._product + float(between @ within)
@@ -116,17 +119,7 @@ class Tracker:
         return float(np.clip(share, 0.0, 1.0)) if spread < _KNOWN else None
 
 
-def _step(before: Pose, after: Pose) -> tuple[Array, Array]:
-    """Change of centre (mm, pad frame) and of attitude (rotation vector, camera frame)."""
-    turn = np.asarray(cv2.Rodrigues(before.rotation.T @ after.rotation)[0], float).ravel()
-    return after.position_mm - before.position_mm, turn
-
-
-def _rotation(turn: Array) -> Array:
-    return np.asarray(cv2.Rodrigues(turn)[0], float)
-
-
-def _apparent(pose: Pose, shift_mm: Array, turn: Array) -> Array:
+def _apparent(pose: Pose, shift_mm: Array, rotvec: Array) -> Array:
     """Shift on the plane z = 1 of what lies amid the picture, (2,), for a change of pose.
 
     Sideways motion and turns look alike there, and their sum is what a frame shows best.
@@ -134,4 +127,4 @@ def _apparent(pose: Pose, shift_mm: Array, turn: Array) -> Array:
     forward = pose.rotation[:, 2]
     depth = -pose.position_mm[2] / min(forward[2], -1e-3)
     sideways = pose.rotation.T @ shift_mm / depth
-    return np.array([-sideways[0] - turn[1], -sideways[1] + turn[0]])
+    return np.array([-sideways[0] - rotvec[1], -sideways[1] + rotvec[0]])

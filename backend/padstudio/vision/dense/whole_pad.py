@@ -20,7 +20,7 @@ from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.regions import Region, sharper
 from padstudio.vision.outline.quadrilateral import Outline, another_sign, find_outline
 from padstudio.vision.pose.image_alignment import Match
-from padstudio.vision.pose.least_squares import Fit
+from padstudio.vision.pose.least_squares import Fit, MotionModel
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -107,7 +107,7 @@ def _matched(
 ) -> WholeSign | None:
     match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start)
     rolling = refiner.params.refine.motion
-    fit = match and match.fit(start, motion=False, rolling=rolling, rough=rough)
+    fit = match and match.fit(start, MotionModel(moving=False, rolling=rolling), rough=rough)
     read = fit and _read_coarse(refiner, fit.pose)
     return WholeSign(fit, read, outline) if fit and read else None
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
 from padstudio.arrays import Array
@@ -15,11 +14,7 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 
 def corner_residuals(pose: Pose, camera: Camera, points_mm: Array, xy: Array) -> Array:
     """Measured less predicted pixels (N, 2) of pad points (N, 3); NaN behind the camera."""
-    seen = (points_mm - pose.position_mm) @ pose.rotation
-    out = np.full((len(points_mm), 2), np.nan)
-    ahead = seen[:, 2] > 1e-6
-    out[ahead] = xy[ahead] - camera.project(seen[ahead])
-    return out
+    return xy - camera.project(pose.to_camera(points_mm))
 
 
 def corner_sigma_px(residuals: Array, known_px: float) -> float:
@@ -55,8 +50,7 @@ def corner_covariance(
     covariance = np.zeros((6, 6))
     for move in sigma_px * np.concatenate([np.eye(xy.size), -np.eye(xy.size)]):
         moved = least_squares(points_mm, camera.normalize(xy + move.reshape(xy.shape)), start)[1]
-        turn = cv2.Rodrigues(start.rotation.T @ moved.rotation)[0].ravel()
-        off = np.concatenate([moved.position_mm - start.position_mm, turn])
+        off = start.step_to(moved)
         covariance += np.outer(off, off) / 2
     return covariance
 

@@ -132,7 +132,7 @@ def find_outline(
     for level in range(region.level, min(finest, region.level) - 1, -1):
         reach = (_FIRST_REACH if level == region.level else _NEXT_REACH) * (1 << level)
         fitted = [
-            fit_side(pyramid, camera, pad, level, corners[k], corners[(k + 1) % 4], reach)
+            fit_side(pyramid, camera, pad, level, corners[[k, (k + 1) % 4]], reach)
             for k in range(4)
         ]
         sides = [side for side in fitted if side is not None]

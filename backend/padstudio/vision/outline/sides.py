@@ -55,8 +55,7 @@ def fit_side(
     camera: Camera,
     pad: Pad,
     level: int,
-    start: Array,
-    end: Array,
+    ends: Array,
     reach_px: float,
 ) -> Side | None:
     """Fit the side between two rough corners.
@@ -73,9 +72,9 @@ def fit_side(
     pad : Pad
     level : int
         Level of the pyramid that profiles are taken from.
-    start, end : (2,) float64
-        Frame pixels; the pad lies to the right of the way from start to end, as a clockwise
-        order has it in a picture.
+    ends : (2, 2) float64
+        Frame pixels; the pad lies to the right of the way from the first to the second one, as a
+        clockwise order has it in a picture.
     reach_px : float
         Half length of a profile, frame pixels.
 
@@ -84,12 +83,12 @@ def fit_side(
     Side or None
         None where no clear step is found.
     """
-    length = float(np.linalg.norm(end - start))
+    length = float(np.linalg.norm(ends[1] - ends[0]))
     if length < 4.0:
         return None
     reach_px = min(reach_px, 0.35 * length)
     count = int(np.clip(length / (1 << level), _LEAST_POINTS, _MOST_PROFILES))
-    feet, outward = _feet(camera, start, end, count)
+    feet, outward = _feet(camera, ends, count)
     at = feet[:, None] + (reach_px * _STEPS)[None, :, None] * outward[:, None]
     values = _clearest(_sample(pyramid, level, at), unused_channels(pad))
     if values is None:
@@ -101,11 +100,11 @@ def fit_side(
     return _robust_line(points, camera, outward[good].mean(axis=0))
 
 
-def _feet(camera: Camera, start: Array, end: Array, count: int) -> tuple[Array, Array]:
+def _feet(camera: Camera, ends: Array, count: int) -> tuple[Array, Array]:
     """Points (count, 2) on the side, which the lens may bend, and unit vectors out of the pad."""
-    ends = camera.normalize(np.stack([start, end]))
+    first, last = camera.normalize(ends)
     share = np.linspace(_TRIM, 1 - _TRIM, count)[:, None]
-    feet = camera.denormalize(ends[0] + share * (ends[1] - ends[0]))
+    feet = camera.denormalize(first + share * (last - first))
     along = np.gradient(feet, axis=0)
     # To the left of the way, hence out of the pad.
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)

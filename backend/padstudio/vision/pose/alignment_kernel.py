@@ -7,17 +7,127 @@ them would be some hundred bytes a pixel, and a step's cost that of moving them 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.compiled import fast_jit
+from padstudio.compiled import fast_inlined_jit, fast_jit
+from padstudio.geometry.projection import PoseState
 
 #: Terms of a shading; those that a layer's gain shares with it come first.
 SHADE, GAIN = 6, 3
 #: Pixels that are gathered at a time.
 BLOCK = 64
+
+
+class Texture(NamedTuple):
+    """The pad's layers as brightness over the pad frame, at a frame's scale.
+
+    Attributes
+    ----------
+    layers : (L, h, w) float32
+        0 … 1, blurred as the camera does, in the order of ``pad.layers``.
+    place : (4,) float64
+        Texture pixel of pad points, mm: x = place[0] + place[1] X, y = place[2] + place[3] Y.
+    """
+
+    layers: NDArray[np.float32]
+    place: Array
+
+
+class Pixels(NamedTuple):
+    """Pixels of the frame that show the pad.
+
+    Attributes
+    ----------
+    rays : (N, 3) float64
+    row_time : (N,) float64
+        When they were read, −0.5 … 0.5 of the frame.
+    shade : (N, 6) float64
+        Terms of a smooth shading.
+    tile : (N,) int
+        Part of the picture, as of `padstudio.vision.pose.covariance.tiles_of`.
+    values : (C, N) float32
+        Of the channels of ``pad.layers``, in their order.
+    """
+
+    rays: Array
+    row_time: Array
+    shade: Array
+    tile: NDArray[np.intp]
+    values: NDArray[np.float32]
+
+    def thinned(self, most: int) -> Pixels:
+        """At most ``most`` of the pixels, evenly spread."""
+        stride = -(-len(self.row_time) // most)
+        if stride <= 1:
+            return self
+        return Pixels(
+            np.ascontiguousarray(self.rays[::stride]),
+            self.row_time[::stride].copy(),
+            np.ascontiguousarray(self.shade[::stride]),
+            self.tile[::stride].copy(),
+            np.ascontiguousarray(self.values[:, ::stride]),
+        )
+
+
+class Brightness(NamedTuple):
+    """How each of C channels shows L layers.
+
+    Attributes
+    ----------
+    terms : (C, 6 + 3 L) float64
+        The shading, then each layer's gain.
+    scale : (C,) float64
+        Residuals beyond it are trusted little; 0 trusts all alike.
+    """
+
+    terms: Array
+    scale: Array
+
+
+class Equations(NamedTuple):
+    """Normal equations of pose and brightness, for each of C channels; M = size + 6 + 3 L.
+
+    Attributes
+    ----------
+    normal : (C, M, M) float64
+        Lower triangle.
+    right : (C, tiles, M) float64
+    sums : (C, 4) float64
+        Of weighted squared residuals, of weights, of the weights' steepness (as of
+        `padstudio.vision.pose.covariance.newton_share`), and of squared slopes per mm.
+    residuals : (C, N) float32
+    """
+
+    normal: Array
+    right: Array
+    sums: Array
+    residuals: NDArray[np.float32]
+
+
+class Block(NamedTuple):
+    """Room for what some pixels say, n of `BLOCK`; those beyond their number are weighted 0.
+
+    Attributes
+    ----------
+    rows : (M, n) float64
+        Change with each parameter: of the pose, then the terms of brightness.
+    reach : (14, n) float64
+        As of `meet_pad`: x, then y.
+    slopes : (2 L, n) float64
+        Of the layers, per texture pixel.
+    left, weight : (n,) float64
+        Residuals, and what they are trusted.
+    """
+
+    rows: Array
+    reach: Array
+    slopes: Array
+    left: Array
+    weight: Array
 
 
 @fast_jit
@@ -40,26 +150,25 @@ def blurred_cells(
     return out
 
 
-@fast_jit
-def meet_pad(
-    ray: Array, s: float, rotation: Array, centre: Array, shift: Array, turn: Array, out: Array
-) -> None:
-    """Where a ray meets the pad, mm, and how that moves with centre and turn: (2, 7) into ``out``.
+@fast_inlined_jit
+def meet_pad(ray: Array, s: float, pose: PoseState, out: Array) -> None:
+    """Where a ray meets the pad, mm, and how that moves with the pose: (2, 7) into ``out``.
 
-    A ray v of moment s meets z = 0 at C + t d, with d = R(v + s w × v) and t = −C_z / d_z.
+    A ray v of row time s meets z = 0 at C + t d, with d = R(v + s w × v) and t = −C_z / d_z.
     """
-    v0 = ray[0] + s * (turn[1] * ray[2] - turn[2] * ray[1])
-    v1 = ray[1] + s * (turn[2] * ray[0] - turn[0] * ray[2])
-    v2 = ray[2] + s * (turn[0] * ray[1] - turn[1] * ray[0])
+    rotation, centre, shift, rotvec = pose
+    v0 = ray[0] + s * (rotvec[1] * ray[2] - rotvec[2] * ray[1])
+    v1 = ray[1] + s * (rotvec[2] * ray[0] - rotvec[0] * ray[2])
+    v2 = ray[2] + s * (rotvec[0] * ray[1] - rotvec[1] * ray[0])
     dx = rotation[0, 0] * v0 + rotation[0, 1] * v1 + rotation[0, 2] * v2
     dy = rotation[1, 0] * v0 + rotation[1, 1] * v1 + rotation[1, 2] * v2
     dz = rotation[2, 0] * v0 + rotation[2, 1] * v1 + rotation[2, 2] * v2
     reach = -(centre[2] + s * shift[2]) / dz
-    leanx, leany = dx / dz, dy / dz
+    slopex, slopey = dx / dz, dy / dz
     out[0, 0] = centre[0] + s * shift[0] + reach * dx
     out[1, 0] = centre[1] + s * shift[1] + reach * dy
-    out[0, 1], out[0, 2], out[0, 3] = 1.0, 0.0, -leanx
-    out[1, 1], out[1, 2], out[1, 3] = 0.0, 1.0, -leany
+    out[0, 1], out[0, 2], out[0, 3] = 1.0, 0.0, -slopex
+    out[1, 1], out[1, 2], out[1, 3] = 0.0, 1.0, -slopey
     for k in range(3):
         # The k-th unit vector times the ray.
         c0 = ray[2] if k == 1 else -ray[1] if k == 2 else 0.0
@@ -68,11 +177,11 @@ def meet_pad(
         tx = rotation[0, 0] * c0 + rotation[0, 1] * c1 + rotation[0, 2] * c2
         ty = rotation[1, 0] * c0 + rotation[1, 1] * c1 + rotation[1, 2] * c2
         tz = rotation[2, 0] * c0 + rotation[2, 1] * c1 + rotation[2, 2] * c2
-        out[0, 4 + k] = reach * (tx - leanx * tz)
-        out[1, 4 + k] = reach * (ty - leany * tz)
+        out[0, 4 + k] = reach * (tx - slopex * tz)
+        out[1, 4 + k] = reach * (ty - slopey * tz)
 
 
-@fast_jit
+@fast_inlined_jit
 def shown_at(layer: NDArray[np.float32], x: float, y: float) -> tuple[float, float, float]:
     """The value of a picture between its pixels and its slopes there; beyond its rim the rim's."""
     h, w = layer.shape
@@ -88,92 +197,66 @@ def shown_at(layer: NDArray[np.float32], x: float, y: float) -> tuple[float, flo
 
 @fast_jit
 def match_pattern(
-    rays: Array,
-    moment: Array,
-    shade: Array,
-    tile: NDArray[np.intp],
-    tiles: int,
-    values: NDArray[np.float32],
-    layers: NDArray[np.float32],
-    place: Array,
-    rotation: Array,
-    centre: Array,
-    shift: Array,
-    turn: Array,
-    known: Array,
-    scale: Array,
+    pixels: Pixels,
+    texture: Texture,
+    pose: PoseState,
+    brightness: Brightness,
     size: int,
-) -> tuple[Array, Array, Array, NDArray[np.float32]]:
-    """Normal equations of pose and brightness, for each of C channels.
+    tiles: int,
+) -> Equations:
+    """Normal equations of pose and brightness.
 
     Parameters
     ----------
-    rays, moment, shade, tile : (N, 3), (N,), (N, 6) float64, (N,) int
-        As of `padstudio.vision.pose.template.Pixels`; tiles are 0 … ``tiles`` − 1.
-    values : (C, N) float32
-    layers : (L, h, w) float32
-    place : (4,) float64
-        Texture pixel of pad points: x = place[0] + place[1] X, y = place[2] + place[3] Y.
-    rotation, centre, shift, turn
-        As of `padstudio.geometry.rolling_shutter.MovingPose`.
-    known : (C, 6 + 3 L) float64
-        Brightness: the shading, then each layer's gain.
-    scale : (C,) float64
-        Residuals beyond it are trusted little; 0 trusts all alike.
+    pixels : Pixels
+        Their tiles are 0 … ``tiles`` − 1.
+    texture : Texture
+    pose : PoseState
+    brightness : Brightness
     size : int
         Parameters of the pose that are sought: 0, 6 or 12.
-
-    Returns
-    -------
-    normal : (C, M, M) float64
-        Lower triangle, M = size + 6 + 3 L.
-    right : (C, tiles, M) float64
-    sums : (C, 4) float64
-        Of weighted squared residuals, of weights, of the weights' steepness (as of
-        `padstudio.vision.pose.covariance.newton_share`), and of squared slopes per mm.
-    residuals : (C, N) float32
+    tiles : int
     """
-    channels, linear = len(values), SHADE + GAIN * len(layers)
+    channels, linear = len(pixels.values), SHADE + GAIN * len(texture.layers)
     width = size + linear
     normal = np.zeros((channels, width, width))
     right, sums = np.zeros((channels, tiles, width)), np.zeros((channels, 4))
-    residuals = np.empty(values.shape, np.float32)
-    rows, met = np.zeros((width, BLOCK)), np.empty((2, 7))
-    reach, slopes = np.zeros((14, BLOCK)), np.zeros((2 * len(layers), BLOCK))
-    left, weight = np.zeros(BLOCK), np.zeros(BLOCK)
-    for first in range(0, len(rays), BLOCK):
-        end = min(first + BLOCK, len(rays))
+    residuals, met = np.empty(pixels.values.shape, np.float32), np.empty((2, 7))
+    block = Block(
+        np.zeros((width, BLOCK)),
+        np.zeros((14, BLOCK)),
+        np.zeros((2 * len(texture.layers), BLOCK)),
+        np.zeros(BLOCK),
+        np.zeros(BLOCK),
+    )
+    for first in range(0, len(pixels.rays), BLOCK):
+        end = min(first + BLOCK, len(pixels.rays))
         for i in range(first, end):
-            meet_pad(rays[i], moment[i], rotation, centre, shift, turn, met)
+            meet_pad(pixels.rays[i], pixels.row_time[i], pose, met)
             for k in range(7):
-                reach[k, i - first], reach[7 + k, i - first] = met[0, k], met[1, k]
+                block.reach[k, i - first], block.reach[7 + k, i - first] = met[0, k], met[1, k]
         part = slice(first, end)
-        show(layers, reach, place, shade[part], rows[size:], slopes)
+        show(block, texture, pixels.shade[part], size)
         for c in range(channels):
-            compare(values[c, part], rows[size:], known[c], scale[c], left, weight, sums[c])
+            known = brightness.terms[c]
+            compare(block, pixels.values[c, part], known, brightness.scale[c], sums[c])
             for i in range(first, end):
-                residuals[c, i] = left[i - first]
+                residuals[c, i] = block.left[i - first]
             if size > 0:
-                lean(known[c], rows, slopes, reach, place, moment[part], size, sums[c])
-            gather(rows, weight, left, tile[part], normal[c], right[c])
-    return normal, right, sums, residuals
+                pose_jacobian(block, known, texture.place, pixels.row_time[part], size, sums[c])
+            gather(block, pixels.tile[part], normal[c], right[c])
+    return Equations(normal, right, sums, residuals)
 
 
 @fast_jit
-def show(
-    layers: NDArray[np.float32],
-    reach: Array,
-    place: Array,
-    shade: Array,
-    terms: Array,
-    slopes: Array,
-) -> None:
-    """A block's terms of brightness (6 + 3 L, n), and the layers' slopes (2 L, n)."""
+def show(block: Block, texture: Texture, shade: Array, size: int) -> None:
+    """A block's terms of brightness, and the layers' slopes."""
+    terms, slopes, reach, place = block.rows[size:], block.slopes, block.reach, texture.place
     for i in range(len(shade)):
         for a in range(SHADE):
             terms[a, i] = shade[i, a]
-    for k in range(len(layers)):
-        layer, base = layers[k], SHADE + GAIN * k
+    for k in range(len(texture.layers)):
+        layer, base = texture.layers[k], SHADE + GAIN * k
         for i in range(len(shade)):
             x, y = place[0] + place[1] * reach[0, i], place[2] + place[3] * reach[7, i]
             shown, slopes[2 * k, i], slopes[2 * k + 1, i] = shown_at(layer, x, y)
@@ -183,15 +266,11 @@ def show(
 
 @fast_jit
 def compare(
-    values: NDArray[np.float32],
-    terms: Array,
-    known: Array,
-    scale: float,
-    left: Array,
-    weight: Array,
-    sums: Array,
+    block: Block, values: NDArray[np.float32], known: Array, scale: float, sums: Array
 ) -> None:
     """Residuals of a block of pixels and what they are trusted; beyond the block's end nothing."""
+    left, weight = block.left, block.weight
+    terms = block.rows[len(block.rows) - len(known) :]
     left[:], weight[:] = 0.0, 0.0
     left[: len(values)] = values
     for a in range(len(known)):
@@ -206,18 +285,12 @@ def compare(
 
 
 @fast_jit
-def lean(
-    known: Array,
-    rows: Array,
-    slopes: Array,
-    reach: Array,
-    place: Array,
-    moment: Array,
-    size: int,
-    sums: Array,
+def pose_jacobian(
+    block: Block, known: Array, place: Array, row_time: Array, size: int, sums: Array
 ) -> None:
-    """Change of a block's pixels with the pose, (size, n) into ``rows``."""
-    for i in range(len(moment)):
+    """Change of a block's pixels with the pose, into the first ``size`` of its rows."""
+    rows, slopes, reach = block.rows, block.slopes, block.reach
+    for i in range(len(row_time)):
         along = down = 0.0
         for k in range(len(slopes) // 2):
             gain = 0.0
@@ -229,14 +302,13 @@ def lean(
         for a in range(6):
             rows[a, i] = along * reach[1 + a, i] + down * reach[8 + a, i]
         for a in range(6, size):
-            rows[a, i] = moment[i] * rows[a - 6, i]
+            rows[a, i] = row_time[i] * rows[a - 6, i]
 
 
 @fast_jit
-def gather(
-    rows: Array, weight: Array, left: Array, tile: NDArray[np.intp], normal: Array, right: Array
-) -> None:
+def gather(block: Block, tile: NDArray[np.intp], normal: Array, right: Array) -> None:
     """Add a block's normal equations; whole blocks at a time go through vector registers."""
+    rows, weight, left = block.rows, block.weight, block.left
     weighted = np.empty(BLOCK)
     for a in range(len(rows)):
         for i in range(BLOCK):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
@@ -14,44 +13,12 @@ from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Window
 from padstudio.vision.pose import edge_points_kernel
+from padstudio.vision.pose.edge_points_kernel import Borders, Patch
 
 #: Fewer borders leave a pose undetermined.
 LEAST_BORDERS = 12
 # So many borders tell how wide cells are.
 _TELLING = 200
-
-
-@dataclass(frozen=True, eq=False)
-class Borders:
-    """Middles of cell borders of one layer.
-
-    Attributes
-    ----------
-    points_mm : (N, 3) float64
-        Pad frame.
-    across_mm : (N, 3) float64
-        From the middle one cell further across the border, pad frame.
-    along_mm : (N, 3) float64
-        Half a cell along the border, pad frame.
-    step : (N,) float64
-        Level behind the border less level before it, over Y−1.
-    """
-
-    points_mm: Array
-    across_mm: Array
-    along_mm: Array
-    step: Array
-
-    def take(self, which: NDArray[np.intp]) -> Borders:
-        """Some of the borders."""
-        return Borders(
-            self.points_mm[which], self.across_mm[which], self.along_mm[which], self.step[which]
-        )
-
-    def thinned(self, most: int) -> Borders:
-        """At most ``most`` of the borders, evenly spread."""
-        stride = -(-len(self.step) // most)
-        return self if stride <= 1 else self.take(np.arange(0, len(self.step), stride))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,18 +51,9 @@ def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, mo
     """Borders of unlike cells of a layer that lie in the frame, at most ``most``, evenly spread."""
     rows, cols = visible_range(pad, layer, camera, pose.pose)
     sides = (layer.cell_mm * pad.scale[0], layer.cell_mm * pad.scale[1])
-    found = edge_points_kernel.borders_in_view(
-        layer.field,
-        rows,
-        cols,
-        np.array([*sides, *pad.size_mm]),
-        pad.levels,
-        *MovingPose(pose.pose).plain(camera),
-        camera.width,
-        most,
-    )
-    points, across, along, step = found
-    return Borders(points, across, along, step)
+    patch = Patch(layer.field, pad.levels, rows, cols, sides, pad.size_mm)
+    still = MovingPose(pose.pose).projector(camera)
+    return edge_points_kernel.borders_in_view(patch, still, most)
 
 
 def measurable_borders(
@@ -151,12 +109,6 @@ def measure(
         Half length of a profile, pixels of the window; never more than 0.42 of a cell.
     """
     which, xy, weight = edge_points_kernel.find_borders(
-        borders.points_mm,
-        borders.along_mm,
-        borders.across_mm,
-        borders.step,
-        *pose.plain(camera),
-        window,
-        reach_px,
+        borders, pose.projector(camera), window, reach_px
     )
     return Measured(borders.take(which), xy, weight)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.geometry.projection import picture, seen_at
+from padstudio.geometry.projection import Projector, picture, seen_at
 from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
 
@@ -27,22 +27,88 @@ _CLEAR_STEP = 6.0
 _LEAST_WEIGHT = 0.05
 # So many edges of cells tell how many of a field's borders lie in the frame.
 _POLLED = 512
-# So many borders of a kind tell how far its steps lean toward the dark.
-_LEAST_TO_LEAN = 12
+# So many borders of a kind tell how far its steps seem to lie toward the dark.
+_LEAST_BIASED = 12
+
+
+class Borders(NamedTuple):
+    """Middles of cell borders of one layer.
+
+    Attributes
+    ----------
+    points_mm : (N, 3) float64
+        Pad frame.
+    across_mm : (N, 3) float64
+        From the middle one cell further across the border, pad frame.
+    along_mm : (N, 3) float64
+        Half a cell along the border, pad frame.
+    step : (N,) float64
+        Level behind the border less level before it, over Y−1.
+    """
+
+    points_mm: Array
+    across_mm: Array
+    along_mm: Array
+    step: Array
+
+    def take(self, which: NDArray[np.intp]) -> Borders:
+        """Some of the borders."""
+        return Borders(
+            self.points_mm[which], self.across_mm[which], self.along_mm[which], self.step[which]
+        )
+
+    def thinned(self, most: int) -> Borders:
+        """At most ``most`` of the borders, evenly spread."""
+        stride = -(-len(self.step) // most)
+        return self if stride <= 1 else self.take(np.arange(0, len(self.step), stride))
+
+
+class Patch(NamedTuple):
+    """A part of a layer.
+
+    Attributes
+    ----------
+    field : (R, C) uint8
+        Levels of the whole layer.
+    levels : int
+    rows, cols : (first, last + 1)
+        Of the part.
+    cell_mm, pad_mm : (width, height) of float
+        As measured.
+    """
+
+    field: NDArray[Any]
+    levels: int
+    rows: tuple[int, int]
+    cols: tuple[int, int]
+    cell_mm: tuple[float, float]
+    pad_mm: tuple[float, float]
+
+
+class Profile(NamedTuple):
+    """Where a profile is taken, pixels of a picture.
+
+    Attributes
+    ----------
+    at : (x, y)
+        Its middle.
+    reach : (x, y)
+        Half its length.
+    side : (x, y)
+        How far the outer ones of the lines side by side lie from the middle one.
+    """
+
+    at: tuple[float, float]
+    reach: tuple[float, float]
+    side: tuple[float, float]
 
 
 @fast_jit
 def add_profile(
-    profile: Array,
-    values: NDArray[np.uint8],
-    step: int,
-    first: int,
-    gain: float,
-    at: tuple[float, float],
-    reach: tuple[float, float],
-    side: tuple[float, float],
+    out: Array, profile: Profile, values: NDArray[np.uint8], step: int, first: int, gain: float
 ) -> None:
     """Add the values along a profile, averaged over lines side by side, times a gain."""
+    at, reach, side = profile.at, profile.reach, profile.side
     gain /= _BESIDE_LINES
     for k in range(_STEPS):
         t = -1 + 2 * k / (_STEPS - 1)
@@ -50,38 +116,35 @@ def add_profile(
             f = (b - 1) / (_BESIDE_LINES - 1)
             x = at[0] + f * side[0] + t * reach[0]
             y = at[1] + f * side[1] + t * reach[1]
-            profile[k] += gain * between(values, step, first, x, y)
+            out[k] += gain * between(values, step, first, x, y)
 
 
 @fast_jit
 def find_step(
-    window: Window,
-    at: tuple[float, float],
-    reach: tuple[float, float],
-    side: tuple[float, float],
-    sign: float,
-    profile: Array,
+    window: Window, profile: Profile, sign: float, values: Array
 ) -> tuple[float, float, float]:
     """Where along a profile a step lies, in units of its reach; its rise, and all slope spent.
 
-    The profile (_STEPS,) and the lines beside it must lie within the picture.
+    The profile and the lines beside it must lie within the picture; ``values`` (_STEPS,) is
+    overwritten.
     """
-    profile[:] = 0.0
-    add_profile(profile, window.values, window.step, window.first, window.gain, at, reach, side)
+    values[:] = 0.0
+    add_profile(values, profile, window.values, window.step, window.first, window.gain)
     if window.weight:
-        f = window.scale
-        at = (f * at[0] + window.shift, f * at[1] + window.shift)
-        reach, side = (f * reach[0], f * reach[1]), (f * side[0], f * side[1])
-        add_profile(profile, window.colours, 1, 0, window.weight, at, reach, side)
+        f, (x, y) = window.scale, profile.at
+        reach = (f * profile.reach[0], f * profile.reach[1])
+        side = (f * profile.side[0], f * profile.side[1])
+        coarse = Profile((f * x + window.shift, f * y + window.shift), reach, side)
+        add_profile(values, coarse, window.colours, 1, 0, window.weight)
     for _ in range(_SMOOTHINGS):
-        before = profile[0]
+        before = values[0]
         for k in range(1, _STEPS - 1):
-            here = profile[k]
-            profile[k] = (before + 2 * here + profile[k + 1]) / 4
+            here = values[k]
+            values[k] = (before + 2 * here + values[k + 1]) / 4
             before = here
     rise = spent = weighted = power = 0.0
     for k in range(1, _STEPS):
-        slope = (profile[k] - profile[k - 1]) * sign
+        slope = (values[k] - values[k - 1]) * sign
         spent += abs(slope)
         if slope > 0:
             rise += slope
@@ -96,15 +159,13 @@ def sides_of(
     along: tuple[float, float],
     across: tuple[float, float],
     s: float,
-    pose: Array,
-    matrix: Array,
-    lens: Array,
+    camera: Projector,
 ) -> tuple[float, float, float, float, float]:
-    """A border's picture at a moment: along it by half a cell, its normal, and a cell's depth."""
+    """A border's picture at row time s: along it by half a cell, its normal, and a cell's depth."""
     x, y, z = at
-    ox, oy = picture(x, y, z, s, pose, matrix, lens)
-    tx, ty = picture(x + 0.2 * along[0], y + 0.2 * along[1], z, s, pose, matrix, lens)
-    cx, cy = picture(x + 0.05 * across[0], y + 0.05 * across[1], z, s, pose, matrix, lens)
+    ox, oy = picture(x, y, z, s, camera)
+    tx, ty = picture(x + 0.2 * along[0], y + 0.2 * along[1], z, s, camera)
+    cx, cy = picture(x + 0.05 * across[0], y + 0.05 * across[1], z, s, camera)
     tx, ty, cx, cy = 5 * (tx - ox), 5 * (ty - oy), 20 * (cx - ox), 20 * (cy - oy)
     length = max(math.hypot(tx, ty), 1e-9)
     nx, ny = -ty / length, tx / length
@@ -114,44 +175,37 @@ def sides_of(
 
 @fast_jit
 def find_borders(
-    points: Array,
-    along: Array,
-    across: Array,
-    step: Array,
-    pose: Array,
-    matrix: Array,
-    lens: Array,
-    height: int,
-    still: bool,
-    window: Window,
-    reach_px: float,
+    borders: Borders, camera: Projector, window: Window, reach_px: float
 ) -> tuple[NDArray[np.intp], Array, Array]:
     """Steps near predicted borders: which were found, where (M, 2), and their weights (M,)."""
+    points, across, along, step = borders
     h, w = len(window.values), window.width
     which, off = np.empty(len(points), np.intp), np.empty(len(points))
     xy, weight, normals = np.empty((len(points), 2)), np.empty(len(points)), np.empty_like(points)
-    found, pixel, profile = 0, window.pixel, np.empty(_STEPS)
+    found, pixel, values = 0, window.pixel, np.empty(_STEPS)
     for i in range(len(points)):
         at = (points[i, 0], points[i, 1], points[i, 2])
-        px, py, s = seen_at(*at, pose, matrix, lens, height, still)
+        px, py, s = seen_at(*at, camera)
         lx, ly = (px + 0.5) / pixel - 0.5, (py + 0.5) / pixel - 0.5
         if not (lx > 0 and ly > 0 and lx < w and ly < h):
             continue
-        # The same moment for all of it: what one step changes of that is next to nothing.
-        s = 0.0 if still else s
+        # The same time for all of it: what one step changes of that is next to nothing.
+        s = 0.0 if camera.still else s
         beside, behind = (along[i, 0], along[i, 1]), (across[i, 0], across[i, 1])
-        tx, ty, nx, ny, depth = sides_of(at, beside, behind, s, pose, matrix, lens)
+        tx, ty, nx, ny, depth = sides_of(at, beside, behind, s, camera)
         reach = min(reach_px * pixel, _MOST_REACH * depth)
         rim = math.hypot(reach, _BESIDE * math.hypot(tx, ty)) / pixel + 1
         if not (lx > rim and ly > rim and lx < w - 1 - rim and ly < h - 1 - rim):
             continue
         shift, rise, spent = find_step(
             window,
-            (lx, ly),
-            (nx * reach / pixel, ny * reach / pixel),
-            (_BESIDE * tx / pixel, _BESIDE * ty / pixel),
+            Profile(
+                (lx, ly),
+                (nx * reach / pixel, ny * reach / pixel),
+                (_BESIDE * tx / pixel, _BESIDE * ty / pixel),
+            ),
             1.0 if step[i] > 0 else -1.0,
-            profile,
+            values,
         )
         clean = min(1.0, max(0.0, 2 * rise / max(spent, 1e-9) - 1))
         trust = clean * clean * min(1.0, rise / _CLEAR_STEP)
@@ -161,7 +215,7 @@ def find_borders(
             normals[found, 0], normals[found, 1] = nx, ny
             found += 1
     which, off = which[:found], off[:found]
-    off = off - lean(off, across[which, 0] != 0, step[which] > 0)
+    off = off - edge_bias(off, across[which, 0] != 0, step[which] > 0)
     for k in range(found):
         xy[k, 0] += off[k] * normals[k, 0]
         xy[k, 1] += off[k] * normals[k, 1]
@@ -169,13 +223,13 @@ def find_borders(
 
 
 @fast_jit
-def lean(off: Array, upright: NDArray[np.bool_], rising: NDArray[np.bool_]) -> Array:
+def edge_bias(off: Array, upright: NDArray[np.bool_], rising: NDArray[np.bool_]) -> Array:
     """By how much each step seems to lie toward the dark, pixels, (N,)."""
     out = np.zeros(len(off))
     for kind in (True, False):
         up = off[(upright == kind) & rising]
         down = off[(upright == kind) & ~rising]
-        if min(len(up), len(down)) >= _LEAST_TO_LEAN:
+        if min(len(up), len(down)) >= _LEAST_BIASED:
             by = (np.median(up) - np.median(down)) / 2
             for k in range(len(off)):
                 if upright[k] == kind:
@@ -184,63 +238,39 @@ def lean(off: Array, upright: NDArray[np.bool_], rising: NDArray[np.bool_]) -> A
 
 
 @fast_jit
-def borders_in_view(
-    field: NDArray[Any],
-    rows: tuple[int, int],
-    cols: tuple[int, int],
-    size: Array,
-    levels: int,
-    pose: Array,
-    matrix: Array,
-    lens: Array,
-    height: int,
-    still: bool,
-    width: int,
-    most: int,
-) -> tuple[Array, Array, Array, Array]:
-    """Borders of a part of a field that lie in the frame, at most so many, evenly spread.
-
-    ``size`` holds a cell's sides and the pad's, mm. Returns what
-    `padstudio.vision.pose.edge_points.Borders` holds.
-    """
-    camera = (pose, matrix, lens, height, still)
+def borders_in_view(patch: Patch, camera: Projector, most: int) -> Borders:
+    """Borders of a part of a layer that lie in the frame, at most so many, evenly spread."""
+    rows, cols, size = patch.rows, patch.cols, patch.cell_mm
     edges = 2 * max(rows[1] - rows[0], 0) * max(cols[1] - cols[0], 0)
     stride = max(1, edges // _POLLED)
-    polled = len(every_border(field, rows, cols, size, camera, width, stride))
+    polled = len(every_border(patch, camera, stride))
     stride = max(1, int(0.9 * stride * polled / most))
     # Columns must not be met in step with their number.
     while math.gcd(stride, cols[1] - cols[0]) > 1:
         stride -= 1
-    found = every_border(field, rows, cols, size, camera, width, stride)
+    found = every_border(patch, camera, stride)
     count = min(len(found), most)
     points, across, along = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
     step = np.empty(count)
     for i in range(count):
         points[i, 0], points[i, 1], change, upright = found[i * len(found) // count]
-        step[i] = change / (levels - 1)
+        step[i] = change / (patch.levels - 1)
         if upright:
             across[i, 0], along[i, 1] = size[0], -size[1] / 2
         else:
             across[i, 1], along[i, 0] = -size[1], size[0] / 2
-    return points, across, along, step
+    return Borders(points, across, along, step)
 
 
 @fast_jit
-def every_border(
-    field: NDArray[Any],
-    rows: tuple[int, int],
-    cols: tuple[int, int],
-    size: Array,
-    camera: tuple[Array, Array, Array, int, bool],
-    width: int,
-    stride: int,
-) -> Array:
-    """Of each ``stride``-th edge of a field's cells the borders that lie in the frame.
+def every_border(patch: Patch, camera: Projector, stride: int) -> Array:
+    """Of each ``stride``-th edge of a part's cells the borders that lie in the frame.
 
     Rows (M, 4): where the border lies on the pad, mm, the change of level over it, and whether it
     is upright.
     """
-    pose, matrix, lens, height, still = camera
+    field, rows, cols = patch.field, patch.rows, patch.cols
+    width, height = camera.lens.width, camera.lens.height
     across = cols[1] - cols[0]
     most = 2 * ((rows[1] - rows[0]) * across // stride + 1) if across > 0 else 0
     out = np.empty((most, 4))
@@ -258,9 +288,9 @@ def every_border(
             change = np.intp(field[r + (not kind), c + kind]) - np.intp(field[r, c])
             if change == 0:
                 continue
-            x = (c + (1.0 if kind else 0.5)) * size[0] - size[2] / 2
-            y = size[3] / 2 - (r + (0.5 if kind else 1.0)) * size[1]
-            px, py, _ = seen_at(x, y, 0.0, pose, matrix, lens, height, still)
+            x = (c + (1.0 if kind else 0.5)) * patch.cell_mm[0] - patch.pad_mm[0] / 2
+            y = patch.pad_mm[1] / 2 - (r + (0.5 if kind else 1.0)) * patch.cell_mm[1]
+            px, py, _ = seen_at(x, y, 0.0, camera)
             if px > 1 and py > 1 and px < width - 2 and py < height - 2:
                 out[found, 0], out[found, 1], out[found, 2], out[found, 3] = x, y, change, kind
                 found += 1

@@ -20,19 +20,14 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
+from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose import alignment_kernel
+from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
 from padstudio.vision.pose.covariance import TILES, least_share
-from padstudio.vision.pose.least_squares import Fit, MotionPrior
-from padstudio.vision.pose.template import (
-    OVERSAMPLING,
-    Pixels,
-    Texture,
-    pixels_of,
-    texture_of,
-)
+from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior
+from padstudio.vision.pose.template import OVERSAMPLING, pixels_of, texture_of
 
 #: More pixels than this are thinned evenly: in a still, and where a pose is followed.
 MOST_PIXELS, FOLLOWED_PIXELS = 16_000, 8_000
@@ -130,27 +125,14 @@ class Match:
         texture = texture_of(pad, camera.focal_px / float(start.pose.position_mm[2]))
         return cls(pixels, texture)
 
-    def fit(
-        self,
-        start: MovingPose,
-        *,
-        motion: bool,
-        known: KnownMotion | None = None,
-        rolling: bool = True,
-        rough: bool = False,
-    ) -> Fit | None:
+    def fit(self, start: MovingPose, model: MotionModel, *, rough: bool = False) -> Fit | None:
         """The pose that matches best.
 
         Parameters
         ----------
         start : MovingPose
             Right to about a pixel.
-        motion : bool
-            Let the pose change within the frame.
-        known : KnownMotion or None
-            What the change within the frame should be near to.
-        rolling : bool
-            The shutter may roll, so that an unseen change of height enters the covariance.
+        model : MotionModel
         rough : bool
             A part of the pixels must do: enough to tell one start from another.
 
@@ -159,8 +141,8 @@ class Match:
         Fit or None
             None where the picture leaves the pose undetermined.
         """
-        prior = MotionPrior.of(start, known, 12 if motion else 6)
-        begin = start if motion else MovingPose(start.pose)
+        prior = MotionPrior.of(start, model)
+        begin = start if model.moving else MovingPose(start.pose)
         if self._brightness is None:
             self._find_brightness(begin)
         pose: MovingPose | None = begin
@@ -172,14 +154,12 @@ class Match:
             self._compared = True
         if pose is None:
             return None
-        settled, everything = pose, np.ones(len(self._all.moment), bool)
-        return Fit(
-            settled, self._rms_px, everything, lambda: self._covariance(settled, prior, rolling)
-        )
+        settled, everything = pose, np.ones(len(self._all.row_time), bool)
+        return Fit(settled, self._rms_px, everything, lambda: self._covariance(settled, prior))
 
     def _find_brightness(self, pose: MovingPose) -> None:
         """Brightness at a pose, as if the pose were right."""
-        terms = self._few.shade.shape[1] + 3 * len(self._texture.layers)
+        terms = alignment_kernel.SHADE + alignment_kernel.GAIN * len(self._texture.layers)
         self._brightness = np.zeros((len(self._few.values), terms))
         for _ in range(3):
             for channel, part in enumerate(self._equations(pose, self._few, 0)):
@@ -207,39 +187,25 @@ class Match:
                 break
         return pose
 
-    def _covariance(self, pose: MovingPose, prior: MotionPrior, rolling: bool) -> Array:
+    def _covariance(self, pose: MovingPose, prior: MotionPrior) -> Array:
         """Covariance (6, 6) of a solution."""
         parts = self._equations(pose, self._all, 12)
         normal = sum((part.normal * part.share for part in parts), np.zeros((12, 12)))
         size = len(prior.weight)
         scores = sum((part.scores[:, :size] for part in parts), np.zeros((TILES * TILES, size)))
-        return prior.covariance(normal, scores, rolling=rolling)
+        return prior.covariance(normal, scores)
 
     def _equations(self, pose: MovingPose, pixels: Pixels, size: int) -> list[_Equations]:
         """Each channel's equations at a pose; updates what residuals are trusted, and the rms."""
         assert self._brightness is not None
-        texture = self._texture
+        texture, brightness = self._texture, Brightness(self._brightness, self._scale)
         normal, right, sums, residuals = alignment_kernel.match_pattern(
-            pixels.rays,
-            pixels.moment,
-            pixels.shade,
-            pixels.tile,
-            TILES * TILES,
-            pixels.values,
-            texture.layers,
-            texture.place,
-            np.ascontiguousarray(pose.pose.rotation),
-            pose.pose.position_mm,
-            pose.shift_mm,
-            pose.turn,
-            self._brightness,
-            self._scale,
-            size,
+            pixels, texture, pose.state, brightness, size, TILES * TILES
         )
         self._scale = _scales(residuals)
-        slopes = sums[:, 3].sum() / (2 * len(pixels.moment))
+        slopes = sums[:, 3].sum() / (2 * len(pixels.row_time))
         squares = (sums[:, 0] / sums[:, 1]).sum()
-        self._rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) / (texture.mm[0] * OVERSAMPLING)
+        self._rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) * texture.place[1] / OVERSAMPLING
         return [_Equations.of(*part, size) for part in zip(normal, right, sums, strict=True)]
 
 

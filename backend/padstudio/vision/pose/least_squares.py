@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.pose import Pose
-from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, normalized
+from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, row_times
 from padstudio.vision.pose import least_squares_kernel
 from padstudio.vision.pose.covariance import (
     TILES,
@@ -29,6 +28,7 @@ from padstudio.vision.pose.covariance import (
     tiles_of,
 )
 from padstudio.vision.pose.edge_points import LEAST_BORDERS, Measured
+from padstudio.vision.pose.least_squares_kernel import Sightings
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
 # of attitude in radians. A landing drone's 0.5 m/s at 2 m and 10°/s in 20 ms are of this size.
@@ -78,15 +78,31 @@ class Fit:
         return self.find_covariance() + np.outer(self.doubt, self.doubt)
 
 
+@dataclass(frozen=True)
+class MotionModel:
+    """What a fit lets the camera do while a frame is read.
+
+    Attributes
+    ----------
+    moving : bool
+        Let the pose change.
+    known : KnownMotion or None
+        What the change should be near to.
+    rolling : bool
+        The shutter may roll, so that a change of height that a still pose leaves out enters the
+        covariance.
+    """
+
+    moving: bool
+    known: KnownMotion | None = None
+    rolling: bool = True
+
+
+STILL, MOVING = MotionModel(moving=False), MotionModel(moving=True)
+
+
 def fit_pose(
-    start: MovingPose,
-    measured: Measured,
-    camera: Camera,
-    *,
-    motion: bool,
-    iterations: int = 4,
-    known: KnownMotion | None = None,
-    rolling: bool = True,
+    start: MovingPose, measured: Measured, camera: Camera, model: MotionModel, iterations: int = 4
 ) -> Fit | None:
     """Fit a pose to measured borders by robust Gauss–Newton.
 
@@ -95,13 +111,8 @@ def fit_pose(
     start : MovingPose
     measured : Measured
     camera : Camera
-    motion : bool
-        Let the pose change within the frame.
+    model : MotionModel
     iterations : int
-    known : KnownMotion or None
-        What the change within the frame should be near to.
-    rolling : bool
-        The shutter may roll, so that an unseen change of height enters the covariance.
 
     Returns
     -------
@@ -110,44 +121,30 @@ def fit_pose(
     """
     if len(measured.xy) < LEAST_BORDERS:
         return None
-    rays = normalized(camera, measured.xy)
-    moment = start.moment(camera, measured.xy[:, 1])
-    size = 12 if motion else 6
-    prior = MotionPrior.of(start, known, size)
-    begin = start if motion else MovingPose(start.pose)
-    solved, rotation, centre, shift, turn, rows, sigma = least_squares_kernel.fit(
-        measured.borders.points_mm,
-        measured.borders.along_mm,
-        rays,
-        moment,
-        measured.weight,
-        np.ascontiguousarray(begin.pose.rotation),
-        begin.pose.position_mm,
-        begin.shift_mm,
-        begin.turn,
-        prior.weight,
-        prior.expected,
-        camera.focal_px,
-        iterations,
+    prior = MotionPrior.of(start, model)
+    begin = start if model.moving else MovingPose(start.pose)
+    borders, xy, weight = measured.borders, measured.xy, measured.weight
+    row_time = row_times(camera, xy[:, 1])
+    seen = Sightings(borders.points_mm, borders.along_mm, camera.normalize(xy), row_time, weight)
+    found = least_squares_kernel.fit(
+        seen, begin.state, prior.weight, prior.expected, camera.focal_px, iterations
     )
-    residual = rows[:, 0]
-    inliers = np.abs(residual) < 4 * sigma
-    if not solved or not np.isfinite(residual).all() or inliers.sum() < _LEAST_INLIERS:
+    residual = found.rows[:, 0]
+    inliers = np.abs(residual) < 4 * found.sigma
+    if not found.solved or not np.isfinite(residual).all() or inliers.sum() < _LEAST_INLIERS:
         return None
-    trust = measured.weight[inliers]
+    trust = weight[inliers]
     rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
 
     def find_covariance() -> Array:
-        trust = least_squares_kernel.trust_of(residual, measured.weight, sigma)
-        normal = least_squares_kernel.normal_equations(rows, moment, trust, 12)[0]
-        robust = trust * sigma**2 / np.maximum(measured.weight, 1e-12)
-        normal *= newton_share(robust, measured.weight)
-        scores = least_squares_kernel.scores(
-            rows, moment, trust, tiles_of(measured.xy), TILES**2, size
+        trust, normal, scores = least_squares_kernel.information(
+            found, seen, tiles_of(xy), TILES**2, len(prior.weight)
         )
-        return prior.covariance(normal, scores, rolling=rolling)
+        robust = trust * found.sigma**2 / np.maximum(weight, 1e-12)
+        normal *= newton_share(robust, weight)
+        return prior.covariance(normal, scores)
 
-    return Fit(MovingPose(Pose(centre, rotation), shift, turn), rms, inliers, find_covariance)
+    return Fit(MovingPose.of(found.pose), rms, inliers, find_covariance)
 
 
 def better_of(still: Fit, moving: Fit | None) -> Fit:
@@ -175,15 +172,19 @@ class MotionPrior:
     climb_sigma : float
         What the change of height may really be off by, mm. Change of height looks like tilt, so
         the pose is found as if it were known, but it is no surer than that.
+    rolling : bool
+        As of `MotionModel`.
     """
 
     weight: Array
     expected: Array
     climb_sigma: float
+    rolling: bool
 
     @classmethod
-    def of(cls, start: MovingPose, known: KnownMotion | None, size: int) -> MotionPrior:
+    def of(cls, start: MovingPose, model: MotionModel) -> MotionPrior:
         """The prior at a height, round no motion or a known one."""
+        known, size = model.known, 12 if model.moving else 6
         height = max(abs(float(start.pose.position_mm[2])), 1.0)
         weight, expected = np.zeros(12), np.zeros(12)
         weight[6:8] = 1 / (_SHIFT_SIGMA * height) ** 2
@@ -191,16 +192,16 @@ class MotionPrior:
         weight[9:12] = 1 / _TURN_SIGMA**2
         if known is not None:
             weight *= _KNOWN_MOTION
-            expected[6:9], expected[9:] = known.shift_mm, known.turn
+            expected[6:9], expected[9:] = known.shift_mm, known.rotvec
         climb_sigma = _CLIMB_CONSIDERED * height if known is None else known.climb_sigma_mm
-        return cls(weight[:size], expected[:size], climb_sigma)
+        return cls(weight[:size], expected[:size], climb_sigma, model.rolling)
 
     def pull(self, pose: MovingPose) -> Array:
         """The prior's part of the right side of the normal equations."""
-        now = np.concatenate([np.zeros(6), pose.shift_mm, pose.turn])[: len(self.weight)]
+        now = np.concatenate([np.zeros(6), pose.shift_mm, pose.rotvec])[: len(self.weight)]
         return np.asarray(self.weight * (self.expected - now))
 
-    def covariance(self, normal: Array, scores: Array, *, rolling: bool) -> Array:
+    def covariance(self, normal: Array, scores: Array) -> Array:
         """Covariance (6, 6) of the pose.
 
         Parameters
@@ -209,13 +210,12 @@ class MotionPrior:
             Of the residuals alone, for a pose that changes.
         scores : (T, 6) or (T, 12) float64
             As of `padstudio.vision.pose.covariance.pose_covariance`.
-        rolling : bool
         """
         size = len(self.weight)
         pull = np.diag(np.sqrt(self.weight))
         if size > _CLIMB:
             pull[_CLIMB] *= max(1.0, self.climb_sigma * np.sqrt(self.weight[_CLIMB]))
-        elif rolling:
+        elif self.rolling:
             pull = np.column_stack([pull, normal[:size, _CLIMB] * self.climb_sigma])
         inner = normal[:size, :size] + np.diag(self.weight)
         return pose_covariance(inner, scores, pull)[:6, :6]

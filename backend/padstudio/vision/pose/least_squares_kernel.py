@@ -6,12 +6,14 @@ A fit solves a dozen small systems; called one by one from Python, each costs mo
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
+from padstudio.geometry.projection import PoseState, in_camera
 from padstudio.geometry.small_matrices import solve, turned
 
 # Weighted points above this share of the best one's trust tell the scatter.
@@ -21,37 +23,59 @@ _CUT_OFF = 2.5
 _SETTLED = 0.01
 
 
+class Sightings(NamedTuple):
+    """Borders where they were seen.
+
+    Attributes
+    ----------
+    points_mm, along_mm : (N, 3) float64
+        As of `padstudio.vision.pose.edge_points_kernel.Borders`.
+    rays : (N, 2) float64
+        On the plane z = 1, undistorted.
+    row_time : (N,) float64
+        −0.5 … 0.5 of the frame.
+    weight : (N,) float64
+        Relative trust, 0 … 1.
+    """
+
+    points_mm: Array
+    along_mm: Array
+    rays: Array
+    row_time: Array
+    weight: Array
+
+
+class Solution(NamedTuple):
+    """What `fit` found.
+
+    Attributes
+    ----------
+    solved : bool
+    pose : PoseState
+    rows : (N, 7) float64
+        Residuals there, pixels, and their change with centre and attitude.
+    sigma : float
+        Their robust standard deviation at the last step.
+    """
+
+    solved: bool
+    pose: PoseState
+    rows: Array
+    sigma: float
+
+
 @fast_jit
-def linearize(
-    points: Array,
-    along: Array,
-    rays: Array,
-    moment: Array,
-    rotation: Array,
-    centre: Array,
-    shift: Array,
-    turn: Array,
-) -> Array:
-    """See `least_squares`: residual and its change with centre and turn, (N, 7)."""
+def linearize(seen: Sightings, pose: PoseState) -> Array:
+    """See `least_squares`: residual and its change with centre and attitude, (N, 7)."""
+    points, along, rays, rotation = seen.points_mm, seen.along_mm, seen.rays, pose.rotation
     out = np.empty((len(points), 7))
-    seen = np.empty((2, 3))
     for i in range(len(points)):
-        s = moment[i]
-        for k in range(2):
-            f = 0.2 * k
-            dx = points[i, 0] + f * along[i, 0] - centre[0] - s * shift[0]
-            dy = points[i, 1] + f * along[i, 1] - centre[1] - s * shift[1]
-            dz = points[i, 2] + f * along[i, 2] - centre[2] - s * shift[2]
-            x = dx * rotation[0, 0] + dy * rotation[1, 0] + dz * rotation[2, 0]
-            y = dx * rotation[0, 1] + dy * rotation[1, 1] + dz * rotation[2, 1]
-            z = dx * rotation[0, 2] + dy * rotation[1, 2] + dz * rotation[2, 2]
-            w0, w1, w2 = s * turn[0], s * turn[1], s * turn[2]
-            seen[k, 0] = x - (w1 * z - w2 * y)
-            seen[k, 1] = y - (w2 * x - w0 * z)
-            seen[k, 2] = z - (w0 * y - w1 * x)
-        x, y, z = seen[0]
+        s, px, py, pz = seen.row_time[i], points[i, 0], points[i, 1], points[i, 2]
+        x, y, z = in_camera(px, py, pz, s, pose)
+        px, py, pz = px + 0.2 * along[i, 0], py + 0.2 * along[i, 1], pz + 0.2 * along[i, 2]
+        bx, by, bz = in_camera(px, py, pz, s, pose)
         u, v = x / z, y / z
-        tu, tv = seen[1, 0] / seen[1, 2] - u, seen[1, 1] / seen[1, 2] - v
+        tu, tv = bx / bz - u, by / bz - v
         length = max(math.sqrt(tu * tu + tv * tv), 1e-15)
         nu, nv = -tv / length, tu / length
         out[i, 0] = (rays[i, 0] - u) * nu + (rays[i, 1] - v) * nv
@@ -65,7 +89,7 @@ def linearize(
 
 
 @fast_jit
-def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tuple[Array, Array]:
+def normal_equations(rows: Array, row_time: Array, weight: Array, size: int) -> tuple[Array, Array]:
     """Weighted normal matrix (size, size) and right side of linearized rows (N, 7)."""
     normal, right, j = np.zeros((size, size)), np.zeros(size), np.empty(12)
     for i in range(len(rows)):
@@ -74,7 +98,7 @@ def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tu
             continue
         for k in range(6):
             j[k] = rows[i, 1 + k]
-            j[6 + k] = moment[i] * j[k]
+            j[6 + k] = row_time[i] * j[k]
         for a in range(size):
             t = w * j[a]
             right[a] += t * rows[i, 0]
@@ -88,14 +112,14 @@ def normal_equations(rows: Array, moment: Array, weight: Array, size: int) -> tu
 
 @fast_jit
 def scores(
-    rows: Array, moment: Array, weight: Array, tile: NDArray[np.intp], tiles: int, size: int
+    rows: Array, row_time: Array, weight: Array, tile: NDArray[np.intp], tiles: int, size: int
 ) -> Array:
     """Parts of the right side of `normal_equations` by tile, (tiles, size)."""
     out = np.zeros((tiles, size))
     for i in range(len(rows)):
         t = weight[i] * rows[i, 0]
         for k in range(size):
-            out[tile[i], k] += t * (rows[i, 1 + k] if k < 6 else moment[i] * rows[i, k - 5])
+            out[tile[i], k] += t * (rows[i, 1 + k] if k < 6 else row_time[i] * rows[i, k - 5])
     return out
 
 
@@ -115,49 +139,47 @@ def trust_of(residual: Array, weight: Array, sigma: float) -> Array:
 
 @fast_jit
 def fit(
-    points: Array,
-    along: Array,
-    rays: Array,
-    moment: Array,
-    weight: Array,
-    rotation: Array,
-    centre: Array,
-    shift: Array,
-    turn: Array,
+    seen: Sightings,
+    start: PoseState,
     prior: Array,
     expected: Array,
     focal_px: float,
     iterations: int,
-) -> tuple[bool, Array, Array, Array, Array, Array, float]:
+) -> Solution:
     """Robust Gauss–Newton for 6 or 12 parameters, as many as the prior has.
 
-    Returns
-    -------
-    solved : bool
-    rotation, centre, shift, turn
-        The pose found.
-    rows : (N, 7) float64
-        Residuals there, pixels, and their change with centre and turn.
-    sigma : float
-        Their robust standard deviation at the last step.
+    ``prior`` holds the inverse variances of the parameters about what is ``expected`` of them.
     """
-    size, sigma = len(prior), 1.0
-    rows = linearize(points, along, rays, moment, rotation, centre, shift, turn) * focal_px
+    size, sigma, pose = len(prior), 1.0, start
+    rows = linearize(seen, pose) * focal_px
     for _ in range(iterations):
         residual = rows[:, 0].copy()
-        sigma = scatter(residual, weight)
-        normal, right = normal_equations(rows, moment, trust_of(residual, weight, sigma), size)
+        sigma = scatter(residual, seen.weight)
+        trust = trust_of(residual, seen.weight, sigma)
+        normal, right = normal_equations(rows, seen.row_time, trust, size)
         for k in range(size):
-            now = 0.0 if k < 6 else shift[k - 6] if k < 9 else turn[k - 9]
+            now = 0.0 if k < 6 else pose.shift[k - 6] if k < 9 else pose.rotvec[k - 9]
             normal[k, k] += prior[k]
             right[k] += prior[k] * (expected[k] - now)
         solved, step = solve(normal, right)
         if not solved:
-            return False, rotation, centre, shift, turn, rows, sigma
-        rotation, centre = turned(rotation, step[3:6]), centre + step[:3]
+            return Solution(False, pose, rows, sigma)
+        shift, rotvec = pose.shift, pose.rotvec
         if size == 12:
-            shift, turn = shift + step[6:9], turn + step[9:]
-        rows = linearize(points, along, rays, moment, rotation, centre, shift, turn) * focal_px
+            shift, rotvec = shift + step[6:9], rotvec + step[9:]
+        rotation, centre = turned(pose.rotation, step[3:6]), pose.centre + step[:3]
+        pose = PoseState(rotation, centre, shift, rotvec)
+        rows = linearize(seen, pose) * focal_px
         if (step * right).sum() < _SETTLED:
             break
-    return True, rotation, centre, shift, turn, rows, sigma
+    return Solution(True, pose, rows, sigma)
+
+
+@fast_jit
+def information(
+    found: Solution, seen: Sightings, tile: NDArray[np.intp], tiles: int, size: int
+) -> tuple[Array, Array, Array]:
+    """A solution's trust in residuals (N,), normal matrix (12, 12) and scores (tiles, size)."""
+    trust = trust_of(found.rows[:, 0].copy(), seen.weight, found.sigma)
+    normal, _ = normal_equations(found.rows, seen.row_time, trust, 12)
+    return trust, normal, scores(found.rows, seen.row_time, trust, tile, tiles, size)

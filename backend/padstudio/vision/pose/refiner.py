@@ -19,13 +19,13 @@ from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.edge_points import (
     LEAST_BORDERS,
-    Borders,
     Measured,
     measurable_borders,
     measure,
 )
+from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.image_alignment import FOLLOWED_PIXELS, MOST_PIXELS, Match
-from padstudio.vision.pose.least_squares import Fit, better_of, fit_pose
+from padstudio.vision.pose.least_squares import MOVING, STILL, Fit, MotionModel, better_of, fit_pose
 from padstudio.vision.pose.results import LayerFit, RefinedPose
 from padstudio.vision.stage.params import DetectorParams
 
@@ -161,7 +161,7 @@ class Refiner:
         """The layers, the last one's pose matched to some pixels of the whole pattern."""
         last = layer_fits[-1]
         match = Match.of(self.pyramid, self.camera, self.pad, last.pose)
-        fit = None if match is None else match.fit(last.pose, motion=False, rough=True)
+        fit = None if match is None else match.fit(last.pose, STILL, rough=True)
         pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
         return [*layer_fits[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
 
@@ -180,9 +180,8 @@ class Refiner:
         if fit is None:
             return None, measured
         motion = not fit.pose.still
-        full = fit_pose(
-            fit.pose, measured, self.camera, motion=motion, iterations=2, rolling=rolling
-        )
+        model = MotionModel(motion, rolling=rolling)
+        full = fit_pose(fit.pose, measured, self.camera, model, iterations=2)
         return (replace(full, doubt=fit.doubt) if full else fit), measured
 
     def _match(self, last: LayerFit) -> Fit | None:
@@ -194,24 +193,23 @@ class Refiner:
             return None
         rolling = self.params.refine.motion
         if self.motion is not None and rolling:
-            return match.fit(start, motion=True, known=self.motion)
-        still = match.fit(start, motion=False, rolling=rolling)
+            return match.fit(start, MotionModel(moving=True, known=self.motion))
+        still = match.fit(start, MotionModel(moving=False, rolling=rolling))
         if still is None or not rolling:
             return still
-        return better_of(still, match.fit(still.pose, motion=True))
+        return better_of(still, match.fit(still.pose, MOVING))
 
     def _fit(
         self, start: MovingPose, measured: Measured, *, iterations: int, quiet_px: float = 0.0
     ) -> Fit | None:
         """A still fit, or a moving one where its motion is known or the residuals ask for it."""
         if self.motion is not None and self.params.refine.motion:
-            return fit_pose(
-                start, measured, self.camera, motion=True, iterations=iterations, known=self.motion
-            )
-        fit = fit_pose(start, measured, self.camera, motion=False, iterations=iterations)
+            model = MotionModel(moving=True, known=self.motion)
+            return fit_pose(start, measured, self.camera, model, iterations)
+        fit = fit_pose(start, measured, self.camera, STILL, iterations=iterations)
         if fit is None or not self.params.refine.motion or fit.rms_px < quiet_px:
             return fit
-        moving = fit_pose(fit.pose, measured, self.camera, motion=True, iterations=iterations)
+        moving = fit_pose(fit.pose, measured, self.camera, MOVING, iterations)
         return better_of(fit, moving)
 
     def read(self, layer: Layer, pose: MovingPose) -> LayerRead | None:

@@ -8,7 +8,8 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer
 from padstudio.vision.cells.layer_read import LayerRead
-from padstudio.vision.pose.edge_points import Borders, Measured
+from padstudio.vision.pose.edge_points import Measured
+from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.rolling_shutter import cross, normalized
+from padstudio.geometry.rolling_shutter import cross
 from padstudio.vision.frame.pyramid import Plane
 
 # A step counts where it is this much above the mean step of its neighbourhood …
@@ -110,7 +110,7 @@ def _peaks(
 
 
 def _tangent_planes(camera: Camera, xy: Array, tangent: Array) -> tuple[Array, Array]:
-    ends = normalized(camera, np.concatenate([xy - tangent, xy + tangent]))
+    ends = camera.normalize(np.concatenate([xy - tangent, xy + tangent]))
     a = np.column_stack([ends[: len(xy)], np.ones(len(xy))])
     b = np.column_stack([ends[len(xy) :], np.ones(len(xy))])
     lines = cross(a, b)

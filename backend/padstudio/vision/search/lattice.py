@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.vision.search import search_kernel as kernels
+from padstudio.vision.search import search_kernel
 from padstudio.vision.search.line_spacing import LineFamilies
+from padstudio.vision.search.search_kernel import OnPlane
 
 _FIRST_RADIUS = 5.0
 _GROWTH = 1.5
@@ -38,8 +39,6 @@ class Lattice:
     ----------
     ray_from_lattice : (3, 3) float64
         Takes homogeneous lattice coordinates (column, row, 1) to camera rays, up to scale.
-    lattice_from_ray : (3, 3) float64
-        Its inverse.
     columns, rows : (first, last)
         Range of lattice coordinates that edges support; cells lie between whole numbers.
     order : float
@@ -50,7 +49,6 @@ class Lattice:
     """
 
     ray_from_lattice: Array
-    lattice_from_ray: Array
     columns: tuple[int, int]
     rows: tuple[int, int]
     order: float
@@ -71,11 +69,6 @@ class Lattice:
             rows=(self.rows[0] - high, self.rows[1] + high),
         )
 
-    def from_rays(self, rays: Array) -> Array:
-        """Lattice coordinates (N, 2) of rays (N, 3)."""
-        h = rays @ self.lattice_from_ray.T
-        return np.asarray(h[:, :2] / h[:, 2:], float)
-
 
 def find_lattice(families: LineFamilies) -> Lattice | None:
     """Fit the lattice to line families.
@@ -86,8 +79,8 @@ def find_lattice(families: LineFamilies) -> Lattice | None:
         None where the growth lost the lines.
     """
     seed, phase = families.seed, families.phase
-    u, v = families.u - seed[0], families.v - seed[1]
-    distance = np.hypot(u, v)
+    every = _edges_of(families)
+    distance = np.hypot(every.u, every.v)
     # Row 0 to 2: numerators for column, row and the common denominator, on (u, v, 1).
     fit = np.eye(3)
     fit[0, 2], fit[1, 2] = (seed - phase) % 1.0
@@ -95,20 +88,27 @@ def find_lattice(families: LineFamilies) -> Lattice | None:
     while True:
         for _ in range(2):
             near = distance < radius
-            refined = _fit(fit, u, v, families.on_u & near, families.on_v & near, radius)
+            inner = every._replace(on_u=every.on_u & near, on_v=every.on_v & near)
+            refined = _fit(fit, inner, radius)
             if refined is None:
                 return None
             fit = refined
         if radius > reach:
             break
         radius *= _GROWTH
-    return _best(fit, _settled(fit, u, v, families, radius), families)
+    return _best(fit, _settled(fit, every, radius), families)
 
 
-def _settled(fit: Array, u: Array, v: Array, families: LineFamilies, radius: float) -> Array:
+def _edges_of(families: LineFamilies) -> OnPlane:
+    """The edges about the families' seed."""
+    u, v = families.u - families.seed[0], families.v - families.seed[1]
+    return OnPlane(u, v, families.on_u, families.on_v)
+
+
+def _settled(fit: Array, edges: OnPlane, radius: float) -> Array:
     """The map fitted to all edges, hardly held any more, until it stands still."""
     for _ in range(_SETTLING):
-        refined = _fit(fit, u, v, families.on_u, families.on_v, radius, hold=0.01)
+        refined = _fit(fit, edges, radius, hold=0.01)
         if refined is None:
             break
         fit = refined
@@ -158,17 +158,9 @@ def _ends(values: NDArray[Any], share: float) -> NDArray[Any]:
     return np.asarray(np.partition(values, ends)[ends])
 
 
-def _fit(
-    fit: Array,
-    u: Array,
-    v: Array,
-    on_u: NDArray[np.bool_],
-    on_v: NDArray[np.bool_],
-    radius: float,
-    hold: float = 1.0,
-) -> Array | None:
+def _fit(fit: Array, edges: OnPlane, radius: float, hold: float = 1.0) -> Array | None:
     """One step of least squares for the eight numbers of the map, given the nearest lines."""
-    normal, right, least = kernels.lattice_equations(fit, u, v, on_u, on_v, _GATE)
+    normal, right, least = search_kernel.lattice_equations(fit, edges, _GATE)
     if least < _LEAST_EDGES:
         return None
     # What few cells cannot tell (shear, convergence) is held at its last value.
@@ -186,8 +178,8 @@ def _fit(
 
 
 def _lattice(fit: Array, families: LineFamilies) -> Lattice | None:
-    u, v = families.u - families.seed[0], families.v - families.seed[1]
-    column, row = _coordinates(fit, u, v)
+    edges = _edges_of(families)
+    column, row = _coordinates(fit, edges.u, edges.v)
     good_u = families.on_u & (np.abs(column - np.round(column)) < _NEAR)
     good_v = families.on_v & (np.abs(row - np.round(row)) < _NEAR)
     coarser = _coarser(column[good_u], row[good_v])
@@ -202,10 +194,8 @@ def _lattice(fit: Array, families: LineFamilies) -> Lattice | None:
     shift = np.array([[1.0, 0, -families.seed[0]], [0, 1.0, -families.seed[1]], [0, 0, 1.0]])
     scale = np.diag([1 / families.pitch, 1 / families.pitch, 1.0])
     lattice_from_ray = fit @ shift @ scale @ families.axes
-    ray_from_lattice = np.linalg.inv(lattice_from_ray)
     return Lattice(
-        ray_from_lattice=ray_from_lattice,
-        lattice_from_ray=lattice_from_ray,
+        ray_from_lattice=np.linalg.inv(lattice_from_ray),
         columns=(int(np.floor(low[0] + 0.3)), int(np.ceil(low[1] - 0.3))),
         rows=(int(np.floor(high[0] + 0.3)), int(np.ceil(high[1] - 0.3))),
         order=good / max(on, 1),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.vision.search.edges import EdgeSet
-from padstudio.vision.search.plane_normals import LEAST_COSINE
+from padstudio.vision.search.search_kernel import LEAST_COSINE
 
 # An edge belongs to a family when its direction on the plane is within this slope of the axis.
 _LEAST_SLOPE = 0.18

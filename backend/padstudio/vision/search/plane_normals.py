@@ -5,6 +5,11 @@ from one rotation: every edge that lies on a grid line is parallel, on the pad, 
 axes at 90°. For a candidate plane normal each edge has an angle on the plane; four times that
 angle agrees for both families, so the length of the mean of exp(4i·angle) tells how well the
 normal fits. From the best ones the axes are turned until edges point along them in the picture.
+
+Each edge is weighted by how much the plane's angle turns for a turn in the picture, so that edges
+of no order give zero for every normal; the norm is that of Cauchy and Schwarz, so that a few heavy
+edges cannot win. Near edges count for more, as cells shrink with distance, and a plane that most
+edges cannot lie on, being behind the camera there, loses their share.
 """
 
 from __future__ import annotations
@@ -12,7 +17,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.vision.search import search_kernel as kernels
@@ -25,15 +29,6 @@ _COARSE_EDGES, _FINE_EDGES = 800, 2000
 _STARTS = 3
 # A coherence from which no other start need be tried, unless planes are steep.
 _CLEAR = 0.5
-#: Below this cosine of tilt a plane is seen too flat to be read.
-LEAST_COSINE = 0.17
-_MOST_WEIGHT = 6.0
-# Edges seen along the plane by less than this sine lie beyond the horizon for all we know.
-_LEAST_DEPTH = 0.05
-# A climb ends where steps this small lead nowhere.
-_LEAST_STEP_DEG = 0.15
-# Axes are then turned to fit the edges' angles in the picture: first and last cut-off, radians.
-_CUTS, _TURNS, _TURNING_EDGES = (0.25, 0.05), 16, 1200
 
 
 def _ring(rings: tuple[tuple[int, int], ...]) -> Array:
@@ -77,9 +72,9 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     fine = np.arange(0, len(rays), max(1, len(rays) // _FINE_EDGES))
     found: list[tuple[float, Array]] = []
     normals = _HIGH if steep else _LOW
-    score = np.abs(_coherence(normals, edges.lines[coarse], rays[coarse])[0])
+    score = np.abs(kernels.coherence(normals, kernels.Edges(rays[coarse], edges.lines[coarse])))
     for start in _distinct(normals, score):
-        found.append(_climb(start, edges.lines[fine], rays[fine]))
+        found.append(kernels.climb(start, kernels.Edges(rays[fine], edges.lines[fine])))
         if found[-1][0] > _CLEAR and not steep:
             break
     found.sort(key=lambda item: -item[0])
@@ -90,19 +85,6 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     return kept[:_STARTS]
 
 
-def _coherence(normals: Array, lines: Array, rays: Array) -> tuple[NDArray[np.complex128], Array]:
-    """Mean of exp(4i·angle on the plane) for each normal, and the planes' first axes.
-
-    Each edge is weighted by how much the plane's angle turns for a turn in the picture, so that
-    edges of no order give zero for every normal; the norm is that of Cauchy and Schwarz, so that
-    a few heavy edges cannot win. Near edges count for more, as cells shrink with distance, and a
-    plane that most edges cannot lie on, being behind the camera there, loses their share.
-    """
-    first = np.array([1.0, 0.0, 0.0]) - normals * normals[:, :1]
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return kernels.coherence(normals, lines, rays, first, _MOST_WEIGHT, _LEAST_DEPTH), first
-
-
 def _distinct(normals: Array, score: Array) -> list[Array]:
     starts: list[Array] = []
     for k in np.argsort(-score):
@@ -111,21 +93,3 @@ def _distinct(normals: Array, score: Array) -> list[Array]:
         if len(starts) == _STARTS:
             break
     return starts
-
-
-def _climb(normal: Array, lines: Array, rays: Array) -> tuple[float, Array]:
-    """Walk a normal to the nearest maximum of coherence by shrinking steps."""
-    normal = kernels.climb(
-        normal, lines, rays, _MOST_WEIGHT, _LEAST_DEPTH, LEAST_COSINE, _LEAST_STEP_DEG
-    )
-    mean, first = _coherence(normal[None], lines, rays)
-    angle = float(np.angle(mean[0])) / 4
-    second = np.cross(normal, first[0])
-    axis = math.cos(angle) * first[0] + math.sin(angle) * second
-    axes = np.stack([axis, np.cross(normal, axis), normal])
-    # Under strong perspective coherence peaks some degrees off the plane; angles do not.
-    few = slice(None, None, max(1, len(rays) // _TURNING_EDGES))
-    turned = kernels.turn_axes(
-        axes, np.ascontiguousarray(lines[few]), np.ascontiguousarray(rays[few]), *_CUTS, _TURNS
-    )
-    return float(abs(mean[0])), turned if turned[2, 2] > LEAST_COSINE else axes

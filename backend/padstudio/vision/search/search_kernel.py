@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,24 +11,50 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
 
+# An edge weighs at most this much.
+_MOST_WEIGHT = 6.0
+# Edges seen along the plane by less than this sine lie beyond the horizon for all we know.
+_LEAST_DEPTH = 0.05
+#: Below this cosine of tilt a plane is seen too flat to be read.
+LEAST_COSINE = 0.17
+# A climb begins with steps this large, and ends where steps this small lead nowhere.
+_FIRST_STEP_DEG, _LEAST_STEP_DEG = 6.0, 0.15
+# Axes are turned to fit the edges' angles in the picture: first and last cut-off, radians.
+_FIRST_CUT, _LAST_CUT, _TURNS = 0.25, 0.05, 16
+# So many edges tell how.
+_TURNING_EDGES = 1200
+
+
+class Edges(NamedTuple):
+    """Edges as the search for planes takes them.
+
+    Attributes
+    ----------
+    rays : (N, 3) float64
+        Unit vectors.
+    lines : (N, 3) float64
+        As of `padstudio.vision.search.edges.EdgeSet`.
+    """
+
+    rays: Array
+    lines: Array
+
 
 @fast_jit
-def coherence(
-    normals: Array, lines: Array, rays: Array, firsts: Array, most_weight: float, least_depth: float
-) -> NDArray[np.complex128]:
+def coherence(normals: Array, edges: Edges) -> NDArray[np.complex128]:
     """See `padstudio.vision.search.plane_normals`: one complex coherence a normal, (H,)."""
+    rays, lines = edges
     out = np.zeros(len(normals), np.complex128)
     depth = np.empty(len(rays))
     for h in range(len(normals)):
         n0, n1, n2 = normals[h]
-        a0, a1, a2 = firsts[h]
-        b0, b1, b2 = n1 * a2 - n2 * a1, n2 * a0 - n0 * a2, n0 * a1 - n1 * a0
+        (a0, a1, a2), (b0, b1, b2) = basis_of(n0, n1, n2)
         deepest, front = 1e-3, 0
         for e in range(len(rays)):
             d = rays[e, 0] * n0 + rays[e, 1] * n1 + rays[e, 2] * n2
             depth[e] = d
             deepest = max(deepest, d)
-            front += d > least_depth
+            front += d > _LEAST_DEPTH
         real = imaginary = squares = nearness = 0.0
         for e in range(len(rays)):
             if depth[e] <= 0:
@@ -36,7 +63,7 @@ def coherence(
             x = -(lines[e, 0] * b0 + lines[e, 1] * b1 + lines[e, 2] * b2)
             y = lines[e, 0] * a0 + lines[e, 1] * a1 + lines[e, 2] * a2
             size2 = max(x * x + y * y, 1e-9)
-            weight = min(depth[e] / size2, most_weight)
+            weight = min(depth[e] / size2, _MOST_WEIGHT)
             u, v = (x * x - y * y) / size2, 2 * x * y / size2
             real += near * weight * (u * u - v * v)
             imaginary += near * weight * 2 * u * v
@@ -50,56 +77,73 @@ def coherence(
 
 
 @fast_jit
-def climb(
-    normal: Array,
-    lines: Array,
-    rays: Array,
-    most_weight: float,
-    least_depth: float,
-    least_cosine: float,
-    least_step_deg: float,
-) -> Array:
-    """See `plane_normals`: the normal (3,) of the nearest maximum of coherence."""
-    around, first = np.empty((9, 3)), np.empty((9, 3))
+def climb(normal: Array, edges: Edges) -> tuple[float, Array]:
+    """See `plane_normals`: the nearest maximum of coherence, and the axes (3, 3) there.
+
+    A normal walks there by shrinking steps; the axes are then turned until edges point along them.
+    """
+    around = np.empty((9, 3))
     best = normal.copy()
-    step_deg = 6.0
-    while step_deg > least_step_deg:
+    step_deg = _FIRST_STEP_DEG
+    while step_deg > _LEAST_STEP_DEG:
         size = math.tan(math.radians(step_deg * max(best[2], 0.25)))
         x, y, z = best
-        length = math.sqrt(max(1 - x * x, 1e-12))
-        s0, s1, s2 = (1 - x * x) / length, -x * y / length, -x * z / length
-        t0, t1, t2 = y * s2 - z * s1, z * s0 - x * s2, x * s1 - y * s0
+        (s0, s1, s2), (t0, t1, t2) = basis_of(x, y, z)
         for k in range(9):
             # The place itself comes first, so that it wins a draw.
             place = (k + 4) % 9
             i, j = size * (place // 3 - 1), size * (place % 3 - 1)
             a, b, c = x + i * s0 + j * t0, y + i * s1 + j * t1, z + i * s2 + j * t2
             norm = math.sqrt(a * a + b * b + c * c)
-            a, b, c = a / norm, b / norm, c / norm
-            flat = math.sqrt(max(1 - a * a, 1e-12))
-            around[k, 0], around[k, 1], around[k, 2] = a, b, c
-            first[k, 0], first[k, 1], first[k, 2] = (1 - a * a) / flat, -a * b / flat, -a * c / flat
-        found = np.abs(coherence(around, lines, rays, first, most_weight, least_depth))
+            around[k, 0], around[k, 1], around[k, 2] = a / norm, b / norm, c / norm
+        found = np.abs(coherence(around, edges))
         k = int(np.argmax(found))
-        if k == 0 or around[k, 2] < least_cosine:
+        if k == 0 or around[k, 2] < LEAST_COSINE:
             step_deg /= 2
         else:
             best[:] = around[k]
-    return best
+    mean = coherence(best.reshape(1, 3), edges)[0]
+    axes = axes_at(best, math.atan2(mean.imag, mean.real) / 4)
+    # Under strong perspective coherence peaks some degrees off the plane; angles do not.
+    stride = max(1, len(edges.rays) // _TURNING_EDGES)
+    rays, lines = edges.rays[::stride].copy(), edges.lines[::stride].copy()
+    turned = turn_axes(axes, Edges(rays, lines))
+    return abs(mean), turned if turned[2, 2] > LEAST_COSINE else axes
 
 
 @fast_jit
-def turn_axes(
-    axes: Array, lines: Array, rays: Array, first_cut: float, last_cut: float, steps: int
-) -> Array:
+def basis_of(
+    x: float, y: float, z: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Two axes of the plane with a normal, the first one what it holds of the camera's x axis."""
+    flat = math.sqrt(max(1 - x * x, 1e-12))
+    s0, s1, s2 = (1 - x * x) / flat, -x * y / flat, -x * z / flat
+    return (s0, s1, s2), (y * s2 - z * s1, z * s0 - x * s2, x * s1 - y * s0)
+
+
+@fast_jit
+def axes_at(normal: Array, angle: float) -> Array:
+    """Axes (3, 3) of a plane, the first one at an angle from that of `basis_of`."""
+    first, second = basis_of(normal[0], normal[1], normal[2])
+    axes, c, s = np.empty((3, 3)), math.cos(angle), math.sin(angle)
+    for k in range(3):
+        axes[0, k] = c * first[k] + s * second[k]
+        axes[1, k] = c * second[k] - s * first[k]
+        axes[2, k] = normal[k]
+    return axes
+
+
+@fast_jit
+def turn_axes(axes: Array, edges: Edges) -> Array:
     """See `plane_normals`: axes (3, 3) turned so that edges point along two of them.
 
     An edge with interpretation-plane normal l, seen along the ray x, is off the picture of axis a
     by the angle l·a / |x × a|. The squares of the smaller of an edge's two angles are summed over
     edges, those beyond a cut-off that shrinks from step to step trusted little.
     """
-    out, cut = axes.copy(), first_cut
-    for _ in range(steps):
+    rays, lines = edges
+    out, cut = axes.copy(), _FIRST_CUT
+    for _ in range(_TURNS):
         n00 = n01 = n02 = n11 = n12 = n22 = 1e-9
         g0 = g1 = g2 = 0.0
         for e in range(len(rays)):
@@ -138,23 +182,34 @@ def turn_axes(
         out[0] /= math.sqrt((out[0] ** 2).sum())
         out[1] -= (out[0] * out[1]).sum() * out[0]
         out[1] /= math.sqrt((out[1] ** 2).sum())
-        cut = max(last_cut, cut * 0.8)
+        cut = max(_LAST_CUT, cut * 0.8)
     out[2, 0] = out[0, 1] * out[1, 2] - out[0, 2] * out[1, 1]
     out[2, 1] = out[0, 2] * out[1, 0] - out[0, 0] * out[1, 2]
     out[2, 2] = out[0, 0] * out[1, 1] - out[0, 1] * out[1, 0]
     return out
 
 
+class OnPlane(NamedTuple):
+    """Edges on a plane at distance 1, as the search for lattices takes them.
+
+    Attributes
+    ----------
+    u, v : (N,) float64
+        Places along the plane's axes, in spacings of its lines.
+    on_u, on_v : (N,) bool
+        Edges that count for lines of constant u, and of constant v.
+    """
+
+    u: Array
+    v: Array
+    on_u: NDArray[np.bool_]
+    on_v: NDArray[np.bool_]
+
+
 @fast_jit
-def lattice_equations(
-    fit: Array,
-    u: Array,
-    v: Array,
-    on_u: NDArray[np.bool_],
-    on_v: NDArray[np.bool_],
-    gate: float,
-) -> tuple[Array, Array, int]:
+def lattice_equations(fit: Array, edges: OnPlane, gate: float) -> tuple[Array, Array, int]:
     """See `lattice`: normal matrix (8, 8), right side, fewer family's edges."""
+    u, v, on_u, on_v = edges
     normal, right, counts = np.zeros((8, 8)), np.zeros(8), np.zeros(2, np.int64)
     for k in range(len(u)):
         if not (on_u[k] or on_v[k]):
