@@ -25,7 +25,7 @@ from padstudio import Camera, Detector, Pad
 from padstudio.geometry.pose import Pose
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.trajectories import FlightKind, plan
+from padstudio.simulate.trajectories import FlightKind, FlightSpec, Setup, plan
 from padstudio.vision.stage.detection import Detection
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
@@ -84,15 +84,22 @@ def frames_of(
     start = _HEIGHTS_MM[seed % len(_HEIGHTS_MM)]
     from_mm, to_mm = trial.stills_mm or (start, 0.4 * start)
     if trial.stills_mm:
-        flight = plan(trial.kind, frames=frames, from_mm=from_mm, to_mm=to_mm, seed=seed)
+        flight = plan(
+            FlightSpec(kind=trial.kind, frames=frames, from_mm=from_mm, to_mm=to_mm, seed=seed)
+        )
     else:
-        whole = plan(trial.kind, frames=_FRAMES, from_mm=from_mm, to_mm=to_mm, seed=seed, fps=30.0)
+        whole = plan(
+            FlightSpec(
+                kind=trial.kind, frames=_FRAMES, from_mm=from_mm, to_mm=to_mm, seed=seed, fps=30.0
+            )
+        )
         some = slice((_FRAMES - frames) // 2, (_FRAMES + frames) // 2)
         flight = replace(
             whole, poses=whole.poses[some], motions=whole.motions[some], groups=whole.groups[some]
         )
     scene = Scene(pad=pad, ground="gravel")
-    for frame in flight.frames(scene, camera, trial.imaging, seed=seed):
+    setup = Setup(scene=scene, camera=camera, imaging=trial.imaging, seed=seed)
+    for frame in flight.frames(setup):
         yield frame.image, frame.truth.pose
 
 

@@ -25,7 +25,7 @@ from padstudio.pad.coding.generate import PadSpec, generate_pad
 from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, coverage
 from padstudio.pad.spec import Layer
 from padstudio.simulate.radiance.scene import Scene
-from padstudio.simulate.success_map import only, success_map, view_of
+from padstudio.simulate.success_map import MapGrid, only, success_map, view_of
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 # Ratios of heights about the chart's: even steps that leave room on both sides.
@@ -113,9 +113,7 @@ def compare(name: str, place: Place, method: Method, tilt_deg: float, count: int
         Scene(pad=place.pad),
         shot,
         lambda bgr: detector.detect(bgr).pose,
-        heights_mm=(chart * FACTORS).tolist(),
-        values=[tilt_deg],
-        trials=count,
+        MapGrid((chart * FACTORS).tolist(), values=[tilt_deg], trials=count),
     ).share[:, 0]
     # Spearman and Kärber's mean of the heights at which reading ends, in even ratios.
     part = share.mean() if place.end == "high" else 1 - share.mean()

@@ -15,7 +15,7 @@ from padstudio.simulate.motion import Motion
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.trajectories import plan
+from padstudio.simulate.trajectories import FlightSpec, plan
 
 SEED = 20
 # Speeds under the looks, as shares of the height a second and degrees a second.
@@ -55,10 +55,14 @@ def views(full: bool) -> list[View]:
             ("descent", 18, 16_000.0, 60.0),
             ("near", 2, 52.0, 45.0),
         )
-        for pose in plan("descent", frames=count * more, from_mm=start, to_mm=end, seed=SEED).poses
+        for pose in plan(
+            FlightSpec(kind="descent", frames=count * more, from_mm=start, to_mm=end, seed=SEED)
+        ).poses
     ]
     for distance_mm in (600.0, 1500.0, 4000.0) if full else (1000.0,):
-        tilts = plan("tilts", frames=8, from_mm=distance_mm, to_mm=distance_mm, seed=SEED)
+        tilts = plan(
+            FlightSpec(kind="tilts", frames=8, from_mm=distance_mm, to_mm=distance_mm, seed=SEED)
+        )
         stills += [View("tilts", pose) for pose in tilts.poses]
     return [*stills, *_looks(full), *_flight(16 * more)]
 
@@ -69,9 +73,11 @@ def _looks(full: bool) -> list[View]:
     for number, look in enumerate(LOOKS):
         chosen = LOOK_HEIGHTS_MM if full else (LOOK_HEIGHTS_MM[number % 2],)
         for height_mm in chosen:
-            pose = plan("descent", frames=1, from_mm=height_mm, to_mm=height_mm, seed=number).poses[
-                0
-            ]
+            pose = plan(
+                FlightSpec(
+                    kind="descent", frames=1, from_mm=height_mm, to_mm=height_mm, seed=number
+                )
+            ).poses[0]
             speed = np.array([DRIFT, DRIFT, -FALL]) * height_mm
             motion = Motion(
                 velocity_mm_s=(speed[0], speed[1], speed[2]), angular_deg_s=(TURN_DEG_S,) * 3
@@ -83,7 +89,11 @@ def _looks(full: bool) -> list[View]:
 def _flight(frames: int) -> list[View]:
     """A landing at 30 frames a second, half a metre a second, under a rolling shutter."""
     end_mm = 1200.0 - 500.0 * frames / 30
-    flight = plan("landing", frames=frames, from_mm=1200.0, to_mm=max(end_mm, 300.0), seed=SEED)
+    flight = plan(
+        FlightSpec(
+            kind="landing", frames=frames, from_mm=1200.0, to_mm=max(end_mm, 300.0), seed=SEED
+        )
+    )
     return [
         View("flight", pose, motion, readout_ms=READOUT_MS)
         for pose, motion in zip(flight.poses, flight.motions, strict=True)
@@ -104,7 +114,9 @@ def shots(board: str, print_: Pad | Layout, camera: Camera, planned: list[View])
 
 def bare_ground(camera: Camera, count: int) -> Iterator[Shot]:
     """Ground without any board."""
-    for number, pose in enumerate(plan("descent", frames=count, from_mm=8000, to_mm=300).poses):
+    for number, pose in enumerate(
+        plan(FlightSpec(kind="descent", frames=count, from_mm=8000, to_mm=300)).poses
+    ):
         scene = Scene(pad=None, ground=("gravel", "bricks", "grass")[number % 3])
         frame = render(scene, camera, pose, Imaging(), number)
         assert frame.encoded is not None

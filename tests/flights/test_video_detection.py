@@ -14,7 +14,7 @@ from padstudio.media.video_frames import read_frames
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.trajectories import plan
+from padstudio.simulate.trajectories import FlightSpec, Setup, plan
 from padstudio.simulate.video_writer import Codec, VideoWriter
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Detection
@@ -31,10 +31,13 @@ def pad() -> Pad:
 
 def filmed(path: Path, codec: Codec, from_mm: float, quality: int) -> tuple[list[int], list[Pose]]:
     """A landing's video: its timestamps and the true poses."""
-    flight = plan("landing", frames=FRAMES, from_mm=from_mm, to_mm=0.6 * from_mm, seed=3)
+    flight = plan(
+        FlightSpec(kind="landing", frames=FRAMES, from_mm=from_mm, to_mm=0.6 * from_mm, seed=3)
+    )
+    setup = Setup(scene=Scene(pad=pad()), camera=CAMERA, imaging=Imaging(exposure_ms=1.0), seed=3)
     poses = []
     with VideoWriter(path, width=640, height=480, fps=30.0, codec=codec, quality=quality) as video:
-        for shot in flight.frames(Scene(pad=pad()), CAMERA, Imaging(exposure_ms=1.0), seed=3):
+        for shot in flight.frames(setup):
             video.write(shot.image)
             poses.append(shot.truth.pose)
     with av.open(str(path)) as container:

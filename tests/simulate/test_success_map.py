@@ -11,7 +11,7 @@ from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.radiance.inks import Inks
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.success_map import judge, only, success_map, view_of
+from padstudio.simulate.success_map import MapGrid, judge, only, success_map, view_of
 from padstudio.vision.detector import Detector
 
 
@@ -55,9 +55,7 @@ def test_a_map_counts_what_its_reader_says():
         Scene(pad=pad(), ground="plain"),
         camera(),
         blind,
-        heights_mm=[300, 600],
-        values=[0, 20, 40],
-        trials=2,
+        MapGrid([300, 600], values=[0, 20, 40], trials=2),
     )
     assert found.share.shape == found.wrong.shape == (2, 3)
     assert not found.share.any()
@@ -83,10 +81,7 @@ def test_blur_blurs_by_the_pixels_asked_for():
         Scene(pad=lone, inks=Inks.ideal(), ground="plain"),
         camera(),
         spread,
-        heights_mm=[150],
-        axis="blur_px",
-        values=[0.0, 6.0, 18.0],
-        trials=1,
+        MapGrid([150], axis="blur_px", values=[0.0, 6.0, 18.0], trials=1),
         imaging=Imaging.ideal().with_changes(tone="linear"),
     )
     side = 31.0 * 110.0 / 150.0
@@ -101,15 +96,14 @@ def test_only_keeps_one_layer():
 
 
 def test_limits_are_named():
-    scene = Scene(pad=pad(), ground="plain")
     with pytest.raises(LimitError, match="20000"):
-        success_map(scene, camera(), lambda bgr: None, heights_mm=[300], trials=100_000)
+        MapGrid([300], trials=100_000)
     with pytest.raises(SpecError, match="0 … 89"):
-        success_map(scene, camera(), lambda bgr: None, heights_mm=[300], values=[90])
+        MapGrid([300], values=[90])
     with pytest.raises(SpecError, match="no pad"):
-        success_map(Scene(pad=None), camera(), lambda bgr: None, heights_mm=[300])
+        success_map(Scene(pad=None), camera(), lambda bgr: None, MapGrid([300]))
     with pytest.raises(SpecError, match="above 1 mm"):
-        success_map(scene, camera(), lambda bgr: None, heights_mm=[0.5])
+        MapGrid([0.5])
 
 
 def lone(cells, cell_mm):
@@ -125,9 +119,7 @@ def shares(pad, shot, heights_mm, tilt_deg, trials):
         Scene(pad=pad),
         shot,
         lambda bgr: detector.detect(bgr).pose,
-        heights_mm=heights_mm,
-        values=[tilt_deg],
-        trials=trials,
+        MapGrid(heights_mm, values=[tilt_deg], trials=trials),
     )
     return found.share[:, 0]
 

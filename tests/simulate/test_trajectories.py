@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -23,6 +24,8 @@ from padstudio.simulate.trajectories import (
     FLIGHT_KINDS,
     MAX_FRAMES,
     Flight,
+    FlightSpec,
+    Setup,
     motion_along,
     plan,
 )
@@ -43,7 +46,7 @@ def pad():
 
 
 def flight(kind="landing", frames=5, **options):
-    return plan(kind, frames=frames, from_mm=900.0, to_mm=200.0, **options)
+    return plan(FlightSpec(kind=kind, frames=frames, from_mm=900.0, to_mm=200.0, **options))
 
 
 @pytest.mark.parametrize("kind", FLIGHT_KINDS)
@@ -94,9 +97,11 @@ def test_gusts_move_the_camera_more():
 def test_stills_are_written_with_their_truth(tmp_path):
     done = []
     truth = write_flight(
-        tmp_path / "out", flight("descent", 3), Scene(pad=pad()), camera(), video=False,
+        tmp_path / "out",
+        flight("descent", 3),
+        Setup(scene=Scene(pad=pad()), camera=camera()),
         progress=done.append,
-    )  # fmt: skip
+    )
     records = json.loads(truth.read_text())
     assert done == [1, 2, 3]
     assert [r["file"] for r in records] == [f"stills/descent_{k}.jpg" for k in range(3)]
@@ -116,8 +121,8 @@ def test_stills_are_written_with_their_truth(tmp_path):
 @pytest.mark.parametrize("codec", ["h264", "h265"])
 def test_videos_are_written_with_their_truth(tmp_path, codec):
     course = flight("landing", 6, fps=25.0)
-    scene = Scene(pad=pad(), ground="concrete")
-    truth = write_flight(tmp_path, course, scene, camera(), video=True, codec=codec, seed=3)
+    setup = Setup(scene=Scene(pad=pad(), ground="concrete"), camera=camera(), seed=3)
+    truth = write_flight(tmp_path, course, setup, codec=codec)
     data = json.loads(truth.read_text())
     assert data["fps"] == 25.0
     assert [f["frame"] for f in data["frames"]] == list(range(6))
@@ -126,7 +131,7 @@ def test_videos_are_written_with_their_truth(tmp_path, codec):
     frames = [reader.read()[1] for _ in range(6)]
     assert not reader.read()[0]
     plain = Imaging(jpeg_quality=None)
-    shot = next(course.frames(scene, camera(), plain, seed=3)).image
+    shot = next(course.frames(replace(setup, imaging=plain))).image
     difference = cv2.absdiff(frames[0], shot).mean()
     assert difference < 12
     assert cv2.absdiff(frames[5], shot).mean() > difference
@@ -135,7 +140,8 @@ def test_videos_are_written_with_their_truth(tmp_path, codec):
 def test_the_score_reads_what_was_written(tmp_path):
     for kind, video in (("descent", False), ("landing", True)):
         course = flight(kind, 3)
-        truth = write_flight(tmp_path, course, Scene(pad=pad()), camera(), video=video)
+        setup = Setup(scene=Scene(pad=pad()), camera=camera())
+        truth = write_flight(tmp_path, course, setup, codec="h264" if video else None)
         lines = [
             {
                 "source": f"{kind}.mp4" if video else f"stills/{kind}_{k}.jpg",
@@ -154,7 +160,8 @@ def test_the_score_reads_what_was_written(tmp_path):
 
 
 def test_bare_ground_has_no_pose_in_its_truth(tmp_path):
-    truth = write_flight(tmp_path, flight("descent", 2), Scene(pad=None), camera(), video=False)
+    setup = Setup(scene=Scene(pad=None), camera=camera())
+    truth = write_flight(tmp_path, flight("descent", 2), setup)
     assert all("position_mm" not in record for record in json.loads(truth.read_text()))
     assert not (tmp_path / "pad.json").exists()
 
@@ -169,9 +176,9 @@ def test_half_a_video_is_removed(tmp_path):
     def stop(done):
         raise RuntimeError("stop")
 
-    scene = Scene(pad=pad(), ground="plain")
+    setup = Setup(scene=Scene(pad=pad(), ground="plain"), camera=camera())
     with pytest.raises(RuntimeError, match="stop"):
-        write_flight(tmp_path, flight(), scene, camera(), video=True, progress=stop)
+        write_flight(tmp_path, flight(), setup, codec="h264", progress=stop)
     assert list((tmp_path / "flights").iterdir()) == []
 
 
@@ -180,7 +187,7 @@ def test_limits_are_named():
         flight(frames=100_000)
     assert caught.value.error_code == "too_many_frames"
     with pytest.raises(SpecError, match="height lies above 1") as below:
-        plan("descent", frames=3, from_mm=100.0, to_mm=-5.0)
+        FlightSpec(kind="descent", frames=3, from_mm=100.0, to_mm=-5.0)
     assert below.value.error_code == "pose_below_ground"
     with pytest.raises(SpecError, match="choose one of descent"):
         flight("loop")

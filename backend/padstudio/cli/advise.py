@@ -8,6 +8,7 @@ import typer
 
 from padstudio.cli.support import note
 from padstudio.geometry.presets import load_camera
+from padstudio.pad.coverage.advice import Envelope
 from padstudio.pad.coverage.advice import advise as advice_for
 from padstudio.pad.coverage.spans import METHOD_LIMITS
 from padstudio.simulate.success_map import view_of
@@ -38,13 +39,10 @@ def advise(
     """Advise cell size, ratio of the layers and pad size for a range of heights."""
     advice = advice_for(
         view_of(load_camera(camera)),
-        low_mm,
-        high_mm,
+        Envelope(low_mm, high_mm, tilt, reach_mm),
         window=window,
         levels=levels,
         limits=METHOD_LIMITS[method],
-        tilt_deg=tilt,
-        reach_mm=reach_mm,
     )
     print(
         f"padstudio generate --window {window} --levels {levels} --cells {advice.cells} "

@@ -17,7 +17,7 @@ from padstudio.pad.coverage.spans import METHOD_LIMITS, Span
 from padstudio.pad.coverage.spans import coverage as spans_of
 from padstudio.pad.spec import Pad
 from padstudio.simulate.radiance.scene import Scene
-from padstudio.simulate.success_map import SuccessMap, success_map, view_of
+from padstudio.simulate.success_map import MapGrid, SuccessMap, success_map, view_of
 from padstudio.vision.detector import Detector
 
 Spans = tuple[Span, ...]
@@ -86,33 +86,25 @@ def coverage(
     ]
     found = None
     if simulate:
-        axis, values = ("blur_px", _numbers(blurs, "--blurs")) if blurs else ("tilt_deg", angles)
-        places = _numbers(heights, "--heights")
-        found = _simulated(the_pad, the_camera, method, axis, places, values, trials, seed)
+        grid = MapGrid(
+            heights_mm=_numbers(heights, "--heights"),
+            axis="blur_px" if blurs else "tilt_deg",
+            values=_numbers(blurs, "--blurs") if blurs else angles,
+            trials=trials,
+            seed=seed,
+        )
+        found = _simulated(the_pad, the_camera, method, grid)
     (_print_json if as_json else _print_text)(spans, bands, found)
 
 
-def _simulated(
-    pad: Pad,
-    camera: Camera,
-    method: str,
-    axis: str,
-    heights: list[float],
-    values: list[float],
-    trials: int,
-    seed: int,
-) -> SuccessMap:
+def _simulated(pad: Pad, camera: Camera, method: str, grid: MapGrid) -> SuccessMap:
     detector = Detector(pad, camera, method=method)  # type: ignore[arg-type]
-    with progress_bar("Simulating", len(heights) * len(values) * trials) as progress:
+    with progress_bar("Simulating", grid.frames) as progress:
         return success_map(
             Scene(pad=pad),
             camera,
             lambda bgr: detector.detect(bgr).pose,
-            heights_mm=heights,
-            axis=axis,  # type: ignore[arg-type]
-            values=values,
-            trials=trials,
-            seed=seed,
+            grid,
             progress=progress,
         )
 

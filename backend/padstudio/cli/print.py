@@ -94,8 +94,19 @@ def print_pad(
 ) -> None:
     """Print a pad: a PDF at true size on any paper, or another form by the file's suffix."""
     check_output(output, force=force)
+    # A page of the pad's own size has nothing beside the pad if unsaid.
+    own = paper.strip().lower() == "own"
+    beside = not own if furniture is None else furniture
     options = PrintOptions(
-        sheets=_sheets(paper, orientation, margin_mm, joint, overlap_mm, seams, furniture),
+        sheets=SheetOptions(
+            paper=paper,
+            orientation=orientation,
+            margin_mm=margin_mm if beside or not own else 0.0,
+            joint=joint,
+            overlap_mm=overlap_mm,
+            seams=seams,
+            furniture=beside,
+        ),
         ink=ink,
         outline_mm=outline_mm,
         header=header,
@@ -112,29 +123,6 @@ def print_pad(
         file.writelines(pieces)
     told = _describe(plan_sheets(design, options.sheets)) if chosen == "pdf" else chosen
     note(f"{output}: {told}")
-
-
-def _sheets(
-    paper: str,
-    orientation: Turned,
-    margin_mm: float,
-    joint: JointKind,
-    overlap_mm: float,
-    seams: SeamsKind,
-    furniture: bool | None,
-) -> SheetOptions:
-    """How the pad is spread; a page of the pad's own size has nothing beside the pad if unsaid."""
-    own = paper.strip().lower() == "own"
-    beside = not own if furniture is None else furniture
-    return SheetOptions(
-        paper=paper,
-        orientation=orientation,
-        margin_mm=0.0 if own and not beside else margin_mm,
-        joint=joint,
-        overlap_mm=overlap_mm,
-        seams=seams,
-        furniture=beside,
-    )
 
 
 def _measured(read: str) -> tuple[float, float]:

@@ -9,12 +9,11 @@ import typer
 
 from padstudio.cli.support import check_output, note, progress_bar
 from padstudio.errors import ConflictError
-from padstudio.geometry.camera import Camera
 from padstudio.geometry.presets import load_camera
 from padstudio.pad.spec import Pad
 from padstudio.simulate import looks, trajectories, writer
 from padstudio.simulate.radiance.scene import Scene
-from padstudio.simulate.trajectories import Flight
+from padstudio.simulate.trajectories import Flight, Setup
 
 _EXAMPLES = (
     "Examples: [bold]padstudio simulate --pad pad.json --camera preset-dji-mini-27k -o sim[/] · "
@@ -86,8 +85,8 @@ def simulate(
             f"{output} exists; give another name, or --force to write into it", code="file_exists"
         )
     check_output(output, force=True)
-    course = trajectories.plan(
-        flight,  # type: ignore[arg-type]  # plan() names the choices itself
+    spec = trajectories.FlightSpec(
+        kind=flight,  # type: ignore[arg-type]  # FlightSpec names the choices itself
         frames=frames,
         from_mm=from_mm,
         to_mm=to_mm,
@@ -95,38 +94,28 @@ def simulate(
         seed=seed,
         sway=sway,
     )
+    course = trajectories.plan(spec)
     scene = Scene(
         pad=Pad.load(pad) if pad else None,
         quiet_mm=quiet_mm,
         ground=ground,  # type: ignore[arg-type]  # Scene names the choices itself
         ground_seed=seed,
     )
+    dressed, imaging = looks.dress(scene, look, seed=seed)
+    setup = Setup(scene=dressed, camera=load_camera(camera), imaging=imaging, seed=seed)
     film = codec if flight in trajectories.VIDEO_KINDS and not stills else None
-    truth = _write(output, course, scene, load_camera(camera), look, film, seed)
+    truth = _write(output, course, setup, film)
     note(f"{output}: {len(course)} frames, the true poses in {truth.relative_to(output)}")
 
 
-def _write(
-    output: Path,
-    course: Flight,
-    scene: Scene,
-    camera: Camera,
-    look: str,
-    codec: str | None,
-    seed: int,
-) -> Path:
+def _write(output: Path, course: Flight, setup: Setup, codec: str | None) -> Path:
     """Render into a folder under a progress bar; stills where there is no codec."""
-    dressed, imaging = looks.dress(scene, look, seed=seed)
     with progress_bar("Rendering", len(course)) as progress:
         return writer.write_flight(
             output,
             course,
-            dressed,
-            camera,
-            imaging,
-            video=codec is not None,
-            codec=codec or "h264",  # type: ignore[arg-type]  # VideoWriter names the choices itself
-            seed=seed,
+            setup,
+            codec=codec,  # type: ignore[arg-type]  # VideoWriter names the choices itself
             progress=progress,
         )
 

@@ -27,6 +27,56 @@ Axis = Literal["tilt_deg", "blur_px"]
 Reader = Callable[[Image], Pose | None]
 
 
+@dataclass(frozen=True)
+class MapGrid:
+    """The places of a map, and the frames at each.
+
+    Attributes
+    ----------
+    heights_mm : sequence of float
+        Of the camera's centre over the ground.
+    axis : {"tilt_deg", "blur_px"}
+    values : sequence of float
+        Tilts, or lengths of the motion's path during the exposure in pixels.
+    trials : int
+        Frames a place, each with its own heading, place over the pad and noise.
+    seed : int
+
+    Raises
+    ------
+    LimitError
+        If the map asks for more than `padstudio.simulate.trajectories.MAX_FRAMES` frames.
+    SpecError
+        If a value is out of range.
+    """
+
+    heights_mm: Sequence[float]
+    axis: Axis = "tilt_deg"
+    values: Sequence[float] = (0.0,)
+    trials: int = 3
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.axis not in ("tilt_deg", "blur_px"):
+            raise SpecError(f"no axis {self.axis!r}; use tilt_deg or blur_px")
+        if self.frames > MAX_FRAMES:
+            raise LimitError(
+                f"the map asks for {self.frames} frames; the limit is {MAX_FRAMES}, take fewer "
+                "heights, columns or trials",
+                code="too_many_frames",
+            )
+        if self.frames < 1 or not all(h > 1 for h in self.heights_mm):
+            raise SpecError("give heights above 1 mm, at least one column and one trial")
+        highest = 89.0 if self.axis == "tilt_deg" else 500.0
+        if not all(0 <= value <= highest for value in self.values):
+            raise SpecError(f"{self.axis} lies within 0 … {highest:g}")
+
+    @property
+    def frames(self) -> int:
+        """How many frames are simulated."""
+        return len(self.heights_mm) * len(self.values) * self.trials
+
+
 @dataclass(frozen=True, eq=False)
 class SuccessMap:
     """Share of simulated frames that were read rightly.
@@ -69,13 +119,9 @@ def success_map(
     scene: Scene,
     camera: Camera,
     read: Reader,
+    grid: MapGrid,
     *,
-    heights_mm: Sequence[float],
-    axis: Axis = "tilt_deg",
-    values: Sequence[float] = (0.0,),
-    trials: int = 3,
     imaging: Imaging | None = None,
-    seed: int = 0,
     progress: Callable[[int], None] | None = None,
 ) -> SuccessMap:
     """Simulate frames over a grid of conditions and have them read.
@@ -89,36 +135,28 @@ def success_map(
     camera : Camera
     read : callable
         Takes (H, W, 3) uint8 BGR, gives a `Pose` or None.
-    heights_mm : sequence of float
-        Of the camera's centre over the ground.
-    axis : {"tilt_deg", "blur_px"}
-    values : sequence of float
-        Tilts, or lengths of the motion's path during the exposure in pixels.
-    trials : int
-        Frames a place, each with its own heading, place over the pad and noise.
+    grid : MapGrid
     imaging : Imaging, optional
-    seed : int
     progress : callable, optional
         Called with the number of frames done.
 
     Raises
     ------
-    LimitError
-        If the map asks for more than `padstudio.simulate.trajectories.MAX_FRAMES` frames.
     SpecError
-        If the scene has no pad, or a value is out of range.
+        If the scene has no pad.
     """
-    pad = _check(scene, heights_mm, axis, values, trials)
+    if scene.pad is None:
+        raise SpecError("the scene has no pad to read; give one")
     imaging = imaging or Imaging()
-    share = np.zeros((len(heights_mm), len(values)))
+    share = np.zeros((len(grid.heights_mm), len(grid.values)))
     wrong = np.zeros_like(share)
     done = 0
-    for row, height in enumerate(heights_mm):
-        for col, value in enumerate(values):
-            for trial in range(trials):
-                rng = np.random.default_rng([seed, row, col, trial])
-                tilt, blur = (value, 0.0) if axis == "tilt_deg" else (0.0, value)
-                pose = _pose_over(rng, pad, camera, height, tilt)
+    for row, height in enumerate(grid.heights_mm):
+        for col, value in enumerate(grid.values):
+            for trial in range(grid.trials):
+                rng = np.random.default_rng([grid.seed, row, col, trial])
+                tilt, blur = (value, 0.0) if grid.axis == "tilt_deg" else (0.0, value)
+                pose = _pose_over(rng, scene.pad, camera, height, tilt)
                 motion, shot = _blurring(rng, camera, imaging, height, blur)
                 noise = int(rng.integers(2**31))
                 frame = render(scene, camera, pose, shot, noise, motion=motion)
@@ -129,12 +167,12 @@ def success_map(
                 if progress:
                     progress(done)
     return SuccessMap(
-        axis,
-        np.array(heights_mm, float),
-        np.array(values, float),
-        share / trials,
-        wrong / trials,
-        trials,
+        grid.axis,
+        np.array(grid.heights_mm, float),
+        np.array(grid.values, float),
+        share / grid.trials,
+        wrong / grid.trials,
+        grid.trials,
     )
 
 
@@ -194,25 +232,3 @@ def _blurring(
     angle = float(rng.uniform(0, 2 * math.pi))
     motion = Motion(velocity_mm_s=(speed * math.cos(angle), speed * math.sin(angle), 0.0))
     return motion, imaging.with_changes(exposure_ms=exposure_ms)
-
-
-def _check(
-    scene: Scene, heights_mm: Sequence[float], axis: str, values: Sequence[float], trials: int
-) -> Pad:
-    if scene.pad is None:
-        raise SpecError("the scene has no pad to read; give one")
-    if axis not in ("tilt_deg", "blur_px"):
-        raise SpecError(f"no axis {axis!r}; use tilt_deg or blur_px")
-    frames = len(heights_mm) * len(values) * trials
-    if frames > MAX_FRAMES:
-        raise LimitError(
-            f"the map asks for {frames} frames; the limit is {MAX_FRAMES}, take fewer heights, "
-            "columns or trials",
-            code="too_many_frames",
-        )
-    if frames < 1 or not all(h > 1 for h in heights_mm):
-        raise SpecError("give heights above 1 mm, at least one column and one trial")
-    highest = 89.0 if axis == "tilt_deg" else 500.0
-    if not all(0 <= value <= highest for value in values):
-        raise SpecError(f"{axis} lies within 0 … {highest:g}")
-    return scene.pad

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -27,6 +27,25 @@ VIDEO_KINDS: tuple[FlightKind, ...] = ("hover", "landing", "gusty")
 MAX_FRAMES = 20_000
 MAX_HEIGHT_MM = 1_000_000.0
 _STEP_S = 1e-3
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Setup:
+    """What a flight's frames are taken of, and with.
+
+    Attributes
+    ----------
+    scene : Scene
+    camera : Camera
+    imaging : Imaging
+    seed : int
+        Of the noise.
+    """
+
+    scene: Scene
+    camera: Camera
+    imaging: Imaging = field(default_factory=Imaging)
+    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,28 +78,19 @@ class Flight:
         """When a frame is taken, seconds from the first; None for stills."""
         return None if self.fps is None else frame / self.fps
 
-    def frames(
-        self, scene: Scene, camera: Camera, imaging: Imaging | None = None, *, seed: int = 0
-    ) -> Iterator[Frame]:
+    def frames(self, setup: Setup) -> Iterator[Frame]:
         """Render the frames in their order; raises as `padstudio.simulate.render.render`."""
         for index, (pose, motion) in enumerate(zip(self.poses, self.motions, strict=True)):
-            noise = int(np.random.SeedSequence([seed, index]).generate_state(1, np.uint64)[0])
-            yield render(scene, camera, pose, imaging, noise, motion=motion)
+            sequence = np.random.SeedSequence([setup.seed, index])
+            noise = int(sequence.generate_state(1, np.uint64)[0])
+            yield render(setup.scene, setup.camera, pose, setup.imaging, noise, motion=motion)
 
 
-def plan(
-    kind: FlightKind,
-    *,
-    frames: int,
-    from_mm: float,
-    to_mm: float,
-    fps: float = 30.0,
-    seed: int = 0,
-    sway: float = 1.0,
-) -> Flight:
-    """Plan a flight.
+@dataclass(frozen=True, kw_only=True)
+class FlightSpec:
+    """A flight to be planned.
 
-    Parameters
+    Attributes
     ----------
     kind : {"descent", "hover", "landing", "gusty", "tilts"}
         descent: stills from ``from_mm`` down to ``to_mm``, in even ratios, each with a heading and
@@ -103,24 +113,59 @@ def plan(
     LimitError
         If more than `MAX_FRAMES` frames are asked for.
     """
-    _check(kind, frames, from_mm, to_mm, fps, sway)
-    rng = np.random.default_rng([seed, *kind.encode()])
+
+    kind: FlightKind
+    frames: int
+    from_mm: float
+    to_mm: float
+    fps: float = 30.0
+    seed: int = 0
+    sway: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in FLIGHT_KINDS:
+            raise SpecError(f"no flight {self.kind!r}; choose one of {', '.join(FLIGHT_KINDS)}")
+        if self.frames > MAX_FRAMES:
+            raise LimitError(
+                f"{self.frames} frames are asked for at once; the limit is {MAX_FRAMES}, split the "
+                "flight",
+                code="too_many_frames",
+                detail={"frames": self.frames, "limit": MAX_FRAMES},
+            )
+        if self.frames < 1:
+            raise SpecError(f"{self.frames} frames are asked for; ask for at least 1")
+        for name, value in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
+            if not 1.0 < value <= MAX_HEIGHT_MM:
+                raise SpecError(
+                    f"{name} is {value:g}; a height lies above 1 and at most {MAX_HEIGHT_MM:g} mm",
+                    code="pose_below_ground" if value <= 1 else "invalid_spec",
+                )
+        if not 0.1 <= self.fps <= 1000:
+            raise SpecError(f"fps is {self.fps}; it must lie within 0.1 … 1000")
+        if not 0 <= self.sway <= 10:
+            raise SpecError(f"sway is {self.sway}; it must lie within 0 … 10")
+
+
+def plan(spec: FlightSpec) -> Flight:
+    """The poses and motions of a flight; the same spec gives the same flight."""
+    kind, frames, from_mm, sway = spec.kind, spec.frames, spec.from_mm, spec.sway
+    rng = np.random.default_rng([spec.seed, *kind.encode()])
     if kind == "descent":
-        heights = np.geomspace(from_mm, to_mm, frames)
+        heights = np.geomspace(from_mm, spec.to_mm, frames)
         poses = [_scattered(rng, float(h), sway) for h in heights]
         return _stills(kind, poses, ["descent"] * frames)
     if kind == "tilts":
         tilts = np.linspace(0.0, 70.0, frames)
         poses = [_tilted(rng, from_mm, float(tilt)) for tilt in tilts]
         return _stills(kind, poses, [f"tilt{tilt:.0f}" for tilt in tilts])
-    duration_s = max(frames - 1, 1) / fps
+    duration_s = max(frames - 1, 1) / spec.fps
     strength = {"hover": 0.5, "landing": 1.0, "gusty": 3.0}[kind] * sway
-    end_mm = from_mm if kind == "hover" else to_mm
+    end_mm = from_mm if kind == "hover" else spec.to_mm
     path = wandering_path(rng, from_mm, end_mm, duration_s, strength)
-    times = np.arange(frames) / fps
+    times = np.arange(frames) / spec.fps
     return Flight(
         name=kind,
-        fps=fps,
+        fps=spec.fps,
         poses=tuple(path(float(t)) for t in times),
         motions=tuple(motion_along(path, float(t)) for t in times),
         groups=("flight",) * frames,
@@ -204,26 +249,3 @@ def _tilted(rng: np.random.Generator, distance_mm: float, tilt_deg: float) -> Po
 
 def _stills(name: str, poses: list[Pose], groups: list[str]) -> Flight:
     return Flight(name, None, tuple(poses), (Motion(),) * len(poses), tuple(groups))
-
-
-def _check(kind: str, frames: int, from_mm: float, to_mm: float, fps: float, sway: float) -> None:
-    if kind not in FLIGHT_KINDS:
-        raise SpecError(f"no flight {kind!r}; choose one of {', '.join(FLIGHT_KINDS)}")
-    if frames > MAX_FRAMES:
-        raise LimitError(
-            f"{frames} frames are asked for at once; the limit is {MAX_FRAMES}, split the flight",
-            code="too_many_frames",
-            detail={"frames": frames, "limit": MAX_FRAMES},
-        )
-    if frames < 1:
-        raise SpecError(f"{frames} frames are asked for; ask for at least 1")
-    for name, value in (("from_mm", from_mm), ("to_mm", to_mm)):
-        if not 1.0 < value <= MAX_HEIGHT_MM:
-            raise SpecError(
-                f"{name} is {value:g}; a height lies above 1 and at most {MAX_HEIGHT_MM:g} mm",
-                code="pose_below_ground" if value <= 1 else "invalid_spec",
-            )
-    if not 0.1 <= fps <= 1000:
-        raise SpecError(f"fps is {fps}; it must lie within 0.1 … 1000")
-    if not 0 <= sway <= 10:
-        raise SpecError(f"sway is {sway}; it must lie within 0 … 10")

@@ -21,6 +21,9 @@ _ENCODERS = {"h264": "libx264", "h265": "libx265"}
 # smooth noise away that cameras' encoders keep. The two encoders' scales differ.
 _SETTINGS = {"h264": ("slow", 20), "h265": ("medium", 24)}
 
+# Frames from key frame to key frame, as drones write them: a second at 30 frames a second.
+_KEYFRAME_EVERY = 30
+
 
 def check_size(width: int, height: int) -> None:
     """Refuse a size that no video of 4:2:0 colour can have.
@@ -48,8 +51,6 @@ class VideoWriter:
     codec : {"h264", "h265"}
     quality : int, optional
         Constant rate factor, 0 (best) … 51; a drone's by default.
-    keyframe_every : int
-        Frames between key frames.
 
     Raises
     ------
@@ -66,7 +67,6 @@ class VideoWriter:
         fps: float,
         codec: Codec = "h264",
         quality: int | None = None,
-        keyframe_every: int = 30,
     ) -> None:
         import av
         from av.video.stream import VideoStream
@@ -89,7 +89,7 @@ class VideoWriter:
         stream = self._container.add_stream(_ENCODERS[codec], rate=rate, options=options)
         assert isinstance(stream, VideoStream)
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-        stream.codec_context.gop_size = keyframe_every
+        stream.codec_context.gop_size = _KEYFRAME_EVERY
         self._path, self._stream = path, stream
         if codec == "h265":
             # The tag that Apple's players and browsers ask for.

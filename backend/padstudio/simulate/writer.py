@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import cv2
 
-from padstudio.geometry.camera import Camera
-from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import Frame
-from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.trajectories import Flight, check_flight
+from padstudio.simulate.trajectories import Flight, Setup, check_flight
 from padstudio.simulate.video_writer import Codec, VideoWriter, check_size
 
 CAMERA_FILE = "camera.yaml"
@@ -23,13 +21,9 @@ PAD_FILE = "pad.json"
 def write_flight(
     folder: Path,
     flight: Flight,
-    scene: Scene,
-    camera: Camera,
-    imaging: Imaging | None = None,
+    setup: Setup,
     *,
-    video: bool,
-    codec: Codec = "h264",
-    seed: int = 0,
+    codec: Codec | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Path:
     """Render a flight into a folder.
@@ -42,14 +36,10 @@ def write_flight(
     folder : Path
         Made if it is not there; files of the same names are written over.
     flight : Flight
-    scene : Scene
-    camera : Camera
-    imaging : Imaging, optional
-        For a video without its JPEG step.
-    video : bool
-        One MP4 rather than stills.
-    codec : {"h264", "h265"}
-    seed : int
+    setup : Setup
+        Its JPEG step is left out for a video.
+    codec : {"h264", "h265"}, optional
+        Of one MP4; stills where none is given.
     progress : callable, optional
         Called with the number of frames done.
 
@@ -63,30 +53,26 @@ def write_flight(
     SpecError, LimitError
         As `padstudio.simulate.render.render` and `VideoWriter`.
     """
-    check_flight(flight, camera)
-    if video:
-        check_size(camera.width, camera.height)
+    check_flight(flight, setup.camera)
+    if codec is not None:
+        check_size(setup.camera.width, setup.camera.height)
     folder.mkdir(parents=True, exist_ok=True)
-    camera.save(folder / CAMERA_FILE)
-    if scene.pad is not None:
-        scene.pad.save(folder / PAD_FILE)
-    imaging = imaging or Imaging()
+    setup.camera.save(folder / CAMERA_FILE)
+    if setup.scene.pad is not None:
+        setup.scene.pad.save(folder / PAD_FILE)
     report = progress or (lambda done: None)
-    if video:
-        imaging = imaging.with_changes(jpeg_quality=None)
-        frames = flight.frames(scene, camera, imaging, seed=seed)
-        return _write_video(folder / "flights", flight, frames, camera, codec, report)
-    frames = flight.frames(scene, camera, imaging, seed=seed)
-    return _write_stills(folder / "stills", flight, frames, report)
+    if codec is None:
+        return _write_stills(folder / "stills", flight, setup, report)
+    return _write_video(folder / "flights", flight, setup, codec, report)
 
 
 def _write_stills(
-    folder: Path, flight: Flight, frames: Iterable[Frame], report: Callable[[int], None]
+    folder: Path, flight: Flight, setup: Setup, report: Callable[[int], None]
 ) -> Path:
     folder.mkdir(exist_ok=True)
     digits = len(str(len(flight) - 1))
     truth = []
-    for index, frame in enumerate(frames):
+    for index, frame in enumerate(flight.frames(setup)):
         suffix = "jpg" if frame.encoded is not None else "png"
         path = folder / f"{flight.name}_{index:0{digits}d}.{suffix}"
         path.write_bytes(frame.encoded or bytes(cv2.imencode(".png", frame.image)[1]))
@@ -105,22 +91,22 @@ def _write_stills(
 def _write_video(
     folder: Path,
     flight: Flight,
-    frames: Iterable[Frame],
-    camera: Camera,
+    setup: Setup,
     codec: Codec,
     report: Callable[[int], None],
 ) -> Path:
     folder.mkdir(exist_ok=True)
     fps = flight.fps or 30.0
+    setup = replace(setup, imaging=setup.imaging.with_changes(jpeg_quality=None))
     truth: list[dict[str, Any]] = []
     with VideoWriter(
         folder / f"{flight.name}.mp4",
-        width=camera.width,
-        height=camera.height,
+        width=setup.camera.width,
+        height=setup.camera.height,
         fps=fps,
         codec=codec,
     ) as writer:
-        for index, frame in enumerate(frames):
+        for index, frame in enumerate(flight.frames(setup)):
             writer.write(frame.image)
             truth.append({"frame": index, "time_s": index / fps, **_truth_fields(frame)})
             report(index + 1)

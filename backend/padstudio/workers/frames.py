@@ -18,7 +18,7 @@ from padstudio.simulate.motion import Motion
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import Frame, render
 from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.success_map import success_map
+from padstudio.simulate.success_map import MapGrid, success_map
 
 # A rotation that came through JSON is rounded.
 _ORTHOGONAL_WITHIN = 1e-3
@@ -92,11 +92,7 @@ def simulate_map(spec: Mapping[str, Any], pad: str, camera: str, max_pixels: int
         Scene(pad=the_pad),
         the_camera,
         lambda bgr: detector.detect(bgr).pose,
-        heights_mm=spec["heights_mm"],
-        axis=spec["axis"],
-        values=spec["values"],
-        trials=spec["trials"],
-        seed=spec["seed"],
+        MapGrid(spec["heights_mm"], spec["axis"], spec["values"], spec["trials"], spec["seed"]),
     ).as_dict()
 
 

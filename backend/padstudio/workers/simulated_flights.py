@@ -57,15 +57,14 @@ def simulate_flight(
     """
     scene, imaging = dressed_scene(spec, pad)
     written = folder / "flight"
+    setup = trajectories.Setup(
+        scene=scene, camera=Camera.loads(camera), imaging=imaging, seed=spec["seed"]
+    )
     writer.write_flight(
         written,
         _course(spec),
-        scene,
-        Camera.loads(camera),
-        imaging,
-        video=video,
-        codec=spec["codec"],
-        seed=spec["seed"],
+        setup,
+        codec=spec["codec"] if video else None,
         progress=_reporter(folder),
     )
     _pack(written, folder / ARCHIVE, "*")
@@ -86,7 +85,8 @@ def frames_done(folder: Path) -> int:
 
 def _course(spec: Mapping[str, Any]) -> trajectories.Flight:
     names = ("frames", "from_mm", "to_mm", "fps", "seed", "sway")
-    return trajectories.plan(spec["flight"], **{name: spec[name] for name in names})
+    asked = trajectories.FlightSpec(kind=spec["flight"], **{name: spec[name] for name in names})
+    return trajectories.plan(asked)
 
 
 def _reporter(folder: Path) -> Callable[[int], None]:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from padstudio.errors import SpecError
-from padstudio.pad.coverage.advice import OVERLAP, advise, round_down
+from padstudio.pad.coverage.advice import OVERLAP, Envelope, advise, round_down
 from padstudio.pad.coverage.dead_bands import dead_bands
 from padstudio.pad.coverage.pinhole import View
 from padstudio.pad.coverage.spans import METHOD_LIMITS, ReadLimits, coverage
@@ -22,7 +22,7 @@ WINDOW = ReadLimits(cell_px=3.0)
     tilt=st.floats(0, 40),
 )
 def test_advice_without_notes_covers_the_wanted_heights(low, factor, tilt):
-    advice = advise(PAPER_VIEW, low, low * factor, limits=WINDOW, tilt_deg=tilt)
+    advice = advise(PAPER_VIEW, Envelope(low, low * factor, tilt), limits=WINDOW)
     fine = np.zeros((advice.cells, advice.cells), np.uint8)
     coarse = np.zeros((advice.cells // advice.ratio,) * 2, np.uint8)
     layers = [Layer("red", advice.cell_mm, fine)]
@@ -43,13 +43,13 @@ def test_advice_without_notes_covers_the_wanted_heights(low, factor, tilt):
 
 def test_advice_says_what_two_layers_cannot():
     narrow = View(width_px=320, height_px=240, focal_px=300.0)
-    advice = advise(narrow, 50.0, 20_000.0, limits=ReadLimits(cell_px=6.0))
+    advice = advise(narrow, Envelope(50.0, 20_000.0), limits=ReadLimits(cell_px=6.0))
     assert "third layer" in advice.notes[0]
     assert advice.high_mm < 20_000
 
 
 def test_advice_names_a_code_that_is_too_small():
-    advice = advise(PAPER_VIEW, 20.0, 400.0, window=3, limits=WINDOW, reach_mm=500.0)
+    advice = advise(PAPER_VIEW, Envelope(20.0, 400.0, reach_mm=500.0), window=3, limits=WINDOW)
     assert any("window 3" in note for note in advice.notes)
 
 
@@ -60,7 +60,7 @@ def test_round_down_keeps_within_a_third(value):
 
 def test_refuses_what_is_no_range():
     with pytest.raises(SpecError, match="no range"):
-        advise(PAPER_VIEW, 300.0, 200.0)
+        Envelope(300.0, 200.0)
 
 
 @pytest.mark.parametrize("method", ["dense", "paper"])
@@ -68,7 +68,7 @@ def test_refuses_what_is_no_range():
 def test_an_advised_pad_tells_its_pose_at_the_wanted_height(method, high_mm):
     """From straight above too, where a sign that is too small does not show its lean."""
     limits = METHOD_LIMITS[method]
-    advice = advise(PAPER_VIEW, 100.0, high_mm, limits=limits, tilt_deg=20.0)
+    advice = advise(PAPER_VIEW, Envelope(100.0, high_mm, 20.0), limits=limits)
     layers = [Layer("red", advice.cell_mm, np.zeros((advice.cells,) * 2, np.uint8))]
     if advice.ratio > 1:
         coarse = np.zeros((advice.cells // advice.ratio,) * 2, np.uint8)

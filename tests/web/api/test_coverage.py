@@ -11,7 +11,7 @@ import pytest
 from web_server import PRESET, SMALL_SPEC, running, settings_for, store_pad
 
 from padstudio.geometry import presets
-from padstudio.pad.coverage.advice import advise
+from padstudio.pad.coverage.advice import Envelope, advise
 from padstudio.pad.coverage.dead_bands import dead_bands
 from padstudio.pad.coverage.spans import METHOD_LIMITS, coverage
 from padstudio.pad.spec import Pad
@@ -76,7 +76,7 @@ def test_sizes_alone_have_a_chart_and_its_dead_bands(studio: httpx.Client) -> No
 def test_advice_is_the_librarys(studio: httpx.Client) -> None:
     query = {"camera": PRESET, "low_mm": 100, "high_mm": 6000, "tilt_deg": 10, "reach_mm": 50}
     told = studio.get("/api/v1/advice", params=query).raise_for_status().json()
-    own = advise(VIEW, 100, 6000, limits=METHOD_LIMITS["dense"], tilt_deg=10, reach_mm=50)
+    own = advise(VIEW, Envelope(100, 6000, 10, 50), limits=METHOD_LIMITS["dense"])
     assert (told["cell_mm"], told["ratio"], told["cells"]) == (own.cell_mm, own.ratio, own.cells)
     assert told["size_mm"] == own.size_mm
     assert told["notes"] == list(own.notes)

@@ -52,28 +52,14 @@ class Advice:
         return self.cells * self.cell_mm
 
 
-def advise(
-    view: View,
-    low_mm: float,
-    high_mm: float,
-    *,
-    window: int = 5,
-    levels: int = 2,
-    limits: ReadLimits | None = None,
-    tilt_deg: float = 0.0,
-    reach_mm: float = 0.0,
-) -> Advice:
-    """Choose cell size, ratio of the layers and pad size.
+@dataclass(frozen=True)
+class Envelope:
+    """Where a camera flies.
 
-    Parameters
+    Attributes
     ----------
-    view : View
     low_mm, high_mm : float
         Heights between which the pad must be read.
-    window, levels : int
-        Of the pad's code.
-    limits : ReadLimits, optional
-        Of the method.
     tilt_deg : float
         The largest lean of the camera.
     reach_mm : float
@@ -84,19 +70,50 @@ def advise(
     SpecError
         If the heights are no range above 0.
     """
+
+    low_mm: float
+    high_mm: float
+    tilt_deg: float = 0.0
+    reach_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.low_mm < self.high_mm < math.inf or self.reach_mm < 0:
+            raise SpecError(
+                f"heights {self.low_mm:g} … {self.high_mm:g} mm and reach {self.reach_mm:g} mm "
+                "are no range above 0"
+            )
+
+
+def advise(
+    view: View,
+    envelope: Envelope,
+    *,
+    window: int = 5,
+    levels: int = 2,
+    limits: ReadLimits | None = None,
+) -> Advice:
+    """Choose cell size, ratio of the layers and pad size.
+
+    Parameters
+    ----------
+    view : View
+    envelope : Envelope
+    window, levels : int
+        Of the pad's code.
+    limits : ReadLimits, optional
+        Of the method.
+    """
     limits = limits or ReadLimits()
-    if not 0 < low_mm < high_mm < math.inf or reach_mm < 0:
-        raise SpecError(
-            f"heights {low_mm:g} … {high_mm:g} mm and reach {reach_mm:g} mm are no range above 0"
-        )
-    wish = _Wish(view, high_mm, window, limits, (0.0, tilt_deg))
+    wish = _Wish(view, envelope.high_mm, window, limits, (0.0, envelope.tilt_deg))
     need = cells_needed(window, levels, (_MANY, _MANY), view, limits)
     # A leaning camera sees more ground, so that the upright one decides below.
     extent = view.extent_per_height(0.0)
-    cell = round_down(low_mm * extent / need)
+    seen_mm = envelope.low_mm * extent
+    cell = round_down(seen_mm / need)
     lowest = need * cell / extent
     ratio, notes = wish.ratio(cell, math.floor(wish.layer_reach_mm(cell) / lowest / OVERLAP))
-    coarse = max(2 * math.ceil(need), math.ceil((low_mm * extent + 2 * reach_mm) / (cell * ratio)))
+    least_mm = seen_mm + 2 * envelope.reach_mm
+    coarse = max(2 * math.ceil(need), math.ceil(least_mm / (cell * ratio)))
     cells = wish.enough(cell, ratio, coarse) * ratio
     room = _room(window, levels)
     if cells > room:

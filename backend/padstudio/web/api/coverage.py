@@ -104,13 +104,10 @@ def get_advice(
 ) -> AdviceInfo:
     found = advice.advise(
         _view(camera, shared.store),
-        low_mm,
-        high_mm,
+        advice.Envelope(low_mm, high_mm, tilt_deg, reach_mm),
         window=window,
         levels=levels,
         limits=METHOD_LIMITS[method],
-        tilt_deg=tilt_deg,
-        reach_mm=reach_mm,
     )
     return AdviceInfo(
         window=window,
