@@ -28,12 +28,14 @@ from typing import Any
 import cv2
 from looped import looped
 
-from padstudio.flights.cluster.engine import Engine, EngineOptions
-from padstudio.flights.cluster.task import Outcome, Task
+from padstudio.flights.cluster.local import LocalEngine
+from padstudio.flights.cluster.task import Engine, Outcome, Task
 from padstudio.flights.tasks.detectors import Recipe
 from padstudio.flights.tasks.frames import FramesTask, VideoPart
 from padstudio.flights.tasks.from_rows import video_part
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
+from padstudio.workers.inside import Limits
+from padstudio.workers.pool import WorkerPool
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 MAX_PIXELS = 50_000_000
@@ -110,7 +112,7 @@ def run(engine: Engine, tasks: list[Task], name: str) -> tuple[float, list[Cost]
     start, costs, waiting = time.perf_counter(), [], list(enumerate(tasks))
     under_way = 0
     while waiting or under_way:
-        while waiting and under_way < engine.capacity:
+        while waiting and engine.room(under_way):
             number, task = waiting.pop(0)
             engine.submit(f"{name}-{number}", task, ended.put)
             under_way += 1
@@ -161,14 +163,15 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--json", type=Path, help="write the figures to this file")
     given = parser.parse_args()
-    engine = Engine(EngineOptions(workers=given.workers))
+    pool = WorkerPool(given.workers, Limits(3_000_000_000, niceness=10), max_waiting=0)
+    engine = LocalEngine(pool)
     try:
         with tempfile.TemporaryDirectory() as folder:
             video = looped(given.video, Path(folder) / "flight.mp4", times=given.repeat)
             chunks = chunks_of(video, given.camera, given.pad)
             report = {"workers": given.workers, **measure(engine, chunks, given.rounds)}
     finally:
-        engine.close()
+        pool.close()
     for name, value in report.items():
         print(f"{name:24}{value if not isinstance(value, float) else round(value, 2)}")
     if given.json:

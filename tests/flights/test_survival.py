@@ -26,7 +26,7 @@ PATIENCE_S = 900
 def order_flights(data: Path, video: Path) -> None:
     store = Store(data)
     upload = flight_orders.upload(store, video)
-    desk = desk_process.open_desk(store, data)
+    desk = desk_process.open_desk(store, data, desk_process.open_pool())
     for _ in range(FLIGHTS):
         desk.order(flight_orders.order(upload))
     store.close()

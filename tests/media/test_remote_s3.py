@@ -16,13 +16,15 @@ import pytest
 import videos
 
 from padstudio.errors import StorageError
-from padstudio.flights.cluster.engine import EngineOptions
+from padstudio.flights.cluster.local import LocalEngine
 from padstudio.flights.desk import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage, open_source
 from padstudio.media.video_frames import read_frames
 from padstudio.media.video_index import read_index
 from padstudio.store.store import Store
+from padstudio.workers.inside import Limits
+from padstudio.workers.pool import WorkerPool
 
 FRAMES = 24
 
@@ -86,10 +88,11 @@ def test_a_flight_is_read_from_a_bucket(bucket: str, tmp_path: Path) -> None:
     store = Store(tmp_path / "data")
     video = videos.write(tmp_path / "a.mp4", FRAMES, keyframe_every=8, paint=videos.blank)
     upload = flight_orders.upload(store, video)
+    pool = WorkerPool(1, Limits(1_000_000_000), max_waiting=0)
     desk = FlightDesk(
         store.session,
         store.uploads,
-        EngineOptions(workers=1, worker_memory_bytes=1_000_000_000),
+        LocalEngine(pool),
         WorkLimits(),
         Storage(bucket),
         pictures=tmp_path / "pictures",
@@ -105,6 +108,7 @@ def test_a_flight_is_read_from_a_bucket(bucket: str, tmp_path: Path) -> None:
         assert found.sources[0]["url"].startswith(bucket)
     finally:
         desk.close()
+        pool.close()
         store.close()
 
 

@@ -7,19 +7,26 @@ import sys
 import threading
 from pathlib import Path
 
-from padstudio.flights.cluster.engine import EngineOptions
+from padstudio.flights.cluster.local import LocalEngine
 from padstudio.flights.desk import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store
+from padstudio.workers.inside import Limits
+from padstudio.workers.pool import WorkerPool
 
 
-def open_desk(store: Store, data: Path, **options: int) -> FlightDesk:
+def open_pool() -> WorkerPool:
+    """Two processes, of which none runs before there is work."""
+    return WorkerPool(2, Limits(1_000_000_000), max_waiting=0)
+
+
+def open_desk(store: Store, data: Path, pool: WorkerPool, **options: int) -> FlightDesk:
     """A desk whose tasks read three frames, and may cost many workers."""
     return FlightDesk(
         store.session,
         store.uploads,
-        EngineOptions(workers=2, worker_memory_bytes=1_000_000_000),
+        LocalEngine(pool),
         WorkLimits(chunk_frames=3),
         Storage(),
         pictures=data / "pictures",
@@ -32,10 +39,12 @@ def main() -> None:
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     store = Store(data)
-    desk = open_desk(store, data)
+    pool = open_pool()
+    desk = open_desk(store, data, pool)
     desk.start()
     ended.wait()
     desk.close()
+    pool.close()
     store.close()
 
 

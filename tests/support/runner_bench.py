@@ -52,10 +52,12 @@ class FakeEngine:
     """Ends tasks as it is told, at once and in the caller's thread; keeps what it was asked."""
 
     answer: Answer
-    capacity: int = 2
     asked: list[Work] = field(default_factory=list)
     stopped: list[str] = field(default_factory=list)
     restarted: list[str] = field(default_factory=list)
+
+    def room(self, at_work: int) -> int:
+        return 2 - at_work
 
     def submit(self, key: str, task: Work, ended: Ended) -> None:
         self.asked.append(task)
@@ -64,7 +66,7 @@ class FakeEngine:
     def stop(self, key: str) -> None:
         self.stopped.append(key)
 
-    def restart_worker_of(self, key: str) -> None:
+    def end_worker_of(self, key: str) -> None:
         self.restarted.append(key)
 
     def tend(self) -> str | None:

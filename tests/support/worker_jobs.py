@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from padstudio.errors import SearchExhaustedError
+from padstudio.workers.inside import checkpoint
 
 
 class OddError(SearchExhaustedError):
@@ -48,6 +49,16 @@ def wait_for(path: Path) -> str:
     while not path.exists():
         time.sleep(0.01)
     return "done"
+
+
+def step_until(path: Path) -> tuple[str, int]:
+    """A task of many steps; tells by a file that it runs."""
+    path.with_suffix(".running").touch()
+    while not path.exists():
+        if checkpoint():
+            return "stopped", os.getpid()
+        time.sleep(0.01)
+    return "done", os.getpid()
 
 
 def allocate(size_bytes: int) -> int:

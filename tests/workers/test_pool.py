@@ -5,6 +5,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import worker_jobs
@@ -14,17 +15,21 @@ from padstudio.errors import (
     LimitError,
     SearchExhaustedError,
     StorageError,
+    StudioError,
     TimeLimitError,
     WorkerCrashError,
 )
+from padstudio.workers.inside import Limits
 from padstudio.workers.pool import WorkerPool
+from padstudio.workers.process import Call, TaskLostError
 
 MEMORY_BYTES = 1_000_000_000
+LIMITS = Limits(MEMORY_BYTES)
 
 
 @pytest.fixture(scope="module")
 def pool() -> Iterator[WorkerPool]:
-    pool = WorkerPool(1, MEMORY_BYTES, 5)
+    pool = WorkerPool(1, LIMITS, 5)
     yield pool
     pool.close()
 
@@ -87,7 +92,7 @@ if sys.platform == "linux":  # other systems do not enforce the limit
 
 
 def test_too_many_calls_are_turned_away(tmp_path: Path) -> None:
-    pool = WorkerPool(1, MEMORY_BYTES, 1)
+    pool = WorkerPool(1, LIMITS, 1)
     go = tmp_path / "go"
     futures = [pool.submit(worker_jobs.wait_for, go, timeout_s=60) for _ in range(2)]
     with pytest.raises(BusyError, match="again"):
@@ -99,7 +104,7 @@ def test_too_many_calls_are_turned_away(tmp_path: Path) -> None:
 
 
 def test_close_ends_the_work() -> None:
-    pool = WorkerPool(1, MEMORY_BYTES, 5)
+    pool = WorkerPool(1, LIMITS, 5)
     pid = _pid(pool)
     futures = [pool.submit(worker_jobs.wait, 600, timeout_s=600) for _ in range(2)]
     while not futures[0].running():
@@ -109,3 +114,74 @@ def test_close_ends_the_work() -> None:
     assert futures[1].cancelled()
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
+
+
+@pytest.fixture
+def task(pool: WorkerPool, tmp_path: Path) -> Iterator[Call]:
+    """One that is at work until its file ``go`` is there."""
+    call = pool.start(worker_jobs.step_until, tmp_path / "go")
+    while not (tmp_path / "go.running").exists():
+        time.sleep(0.01)
+    yield call
+    call.stop()
+
+
+def test_a_request_is_answered_between_two_steps_of_a_task(
+    pool: WorkerPool, task: Call, tmp_path: Path
+) -> None:
+    assert pool.free == 0
+    pids = {_pid(pool) for _ in range(3)}
+    assert not task.future.done()
+    (tmp_path / "go").touch()
+    assert task.future.result(30) == ("done", *pids)
+    assert pool.free == 1
+
+
+def test_requests_without_end_do_not_keep_a_task_waiting(pool: WorkerPool, tmp_path: Path) -> None:
+    (tmp_path / "go").touch()
+    requests = [pool.submit(worker_jobs.wait, 0.2, timeout_s=30) for _ in range(6)]
+    task = pool.start(worker_jobs.step_until, tmp_path / "go")
+    assert task.future.result(30)[0] == "done"
+    assert not requests[-1].done()
+    assert [request.result(30) for request in requests] == [None] * 6
+
+
+@pytest.mark.parametrize(
+    ("job", "error"),
+    [((worker_jobs.die,), WorkerCrashError), ((worker_jobs.wait, 60), TimeLimitError)],
+)
+def test_a_request_that_costs_the_process_is_not_blamed_on_the_task(
+    pool: WorkerPool, task: Call, job: tuple[Any, ...], error: type[StudioError]
+) -> None:
+    with pytest.raises(error):
+        pool.submit(*job, timeout_s=0.5).result(30)
+    with pytest.raises(TaskLostError):
+        task.future.result(30)
+
+
+def test_a_task_that_dies_takes_no_request_with_it(pool: WorkerPool, task: Call) -> None:
+    request = pool.submit(worker_jobs.identify, 3, timeout_s=30)
+    task.kill()
+    error = task.future.exception(30)
+    assert isinstance(error, WorkerCrashError)
+    assert not isinstance(error, TaskLostError)
+    assert request.result(30)[0] == 3
+
+
+def test_a_task_is_told_to_stop(pool: WorkerPool, task: Call, tmp_path: Path) -> None:
+    waiting = pool.start(worker_jobs.step_until, tmp_path / "go")
+    waiting.stop()
+    assert waiting.future.cancelled()
+    task.stop()
+    assert task.future.result(30)[0] == "stopped"
+    (tmp_path / "go").touch()
+    assert pool.start(worker_jobs.step_until, tmp_path / "go").future.result(30)[0] == "done"
+
+
+def test_another_process_answers_where_a_task_takes_no_steps() -> None:
+    pool = WorkerPool(2, LIMITS, 5)
+    hanging = pool.start(worker_jobs.wait, 600)
+    assert [pool.submit(worker_jobs.identify, n, timeout_s=30).result(30)[0] for n in range(3)]
+    assert not hanging.future.done()
+    pool.close()
+    assert isinstance(hanging.future.exception(30), WorkerCrashError)

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from padstudio.cli.support import note
-from padstudio.flights.cluster.engine import EngineOptions
+from padstudio.flights.cluster.engine import Cluster
 from padstudio.flights.cluster.worker import lend_workers
 
 _EXAMPLES = (
@@ -58,16 +58,16 @@ def worker(
     The server is given the same scheduler by PADSTUDIO_SCHEDULER. Workers read uploads from where
     PADSTUDIO_STORAGE says, which has to be reached under the same name from here.
     """
-    options = EngineOptions(
+    cluster = Cluster(
         scheduler=scheduler,
         tls_ca=str(ca) if ca else None,
         tls_cert=str(cert) if cert else None,
         tls_key=str(key) if key else None,
-        workers=jobs or os.cpu_count() or 1,
-        worker_memory_bytes=memory_mb * 1_000_000,
     )
     with contextlib.suppress(KeyboardInterrupt):
         lend_workers(
-            options,
+            cluster,
+            jobs or os.cpu_count() or 1,
+            memory_mb * 1_000_000,
             joined=lambda count: note(f"{count} workers joined {scheduler} (Ctrl-C ends them)"),
         )

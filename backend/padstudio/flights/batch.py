@@ -19,6 +19,7 @@ from padstudio.flights.tasks.frames import FramesTask, VideoPart
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
 from padstudio.media import images, video_index
 from padstudio.media.sources import is_video
+from padstudio.workers.inside import Limits
 from padstudio.workers.pool import WorkerPool
 
 Record = dict[str, Any]
@@ -28,7 +29,7 @@ logger = logging.getLogger(__name__)
 FRAME_SECONDS = 120.0
 #: and frames of a video that take longer each.
 VIDEO_FRAME_SECONDS = 10.0
-_WORKER_MEMORY_BYTES = 4_000_000_000
+_LIMITS = Limits(memory_bytes=4_000_000_000)
 # Frames of a video that are followed in one go; each go begins at a keyframe.
 _CHUNK_FRAMES = 120
 
@@ -178,7 +179,7 @@ def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -
 
 def _in_order(pieces: Sequence[Piece], jobs: int) -> Iterator[list[Record]]:
     ahead = 2 * jobs
-    pool = WorkerPool(jobs, _WORKER_MEMORY_BYTES, max_waiting=ahead)
+    pool = WorkerPool(jobs, _LIMITS, max_waiting=ahead)
     waiting: deque[tuple[Piece, Future[list[Record]]]] = deque()
     try:
         for piece in pieces:

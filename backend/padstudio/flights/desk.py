@@ -10,8 +10,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.errors import SpecError
 from padstudio.flights.chunks import Chunks
-from padstudio.flights.cluster.engine import Engine, EngineOptions
-from padstudio.flights.cluster.task import Task
+from padstudio.flights.cluster.task import Engine, Task
 from padstudio.flights.jobs import FlightOrder, Flights
 from padstudio.flights.pictures.stages import Kind, PictureCache, PictureJob, picture_job
 from padstudio.flights.results.charts import FigureRows
@@ -34,7 +33,7 @@ class FlightDesk:
     ----------
     session : sessionmaker
     uploads : Uploads
-    engine : EngineOptions
+    engine : Engine
     limits : WorkLimits
     storage : Storage
     pictures : Path
@@ -59,7 +58,7 @@ class FlightDesk:
         self,
         session: sessionmaker[Session],
         uploads: Uploads,
-        engine: EngineOptions,
+        engine: Engine,
         limits: WorkLimits,
         storage: Storage,
         *,
@@ -73,9 +72,8 @@ class FlightDesk:
         self.charts = FigureRows(session)
         self.limits = limits
         self._uploads, self._storage = uploads, storage
-        self._engine = Engine(engine)
         chunks = Chunks(session, attempts=attempts)
-        self._runner = Runner(self.flights, chunks, self._engine, self._task_of)
+        self._runner = Runner(self.flights, chunks, engine, self._task_of)
         self.pictures = PictureCache(pictures, keep_picture_bytes)
 
     def start(self) -> None:

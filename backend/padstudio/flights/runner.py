@@ -13,8 +13,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from padstudio.errors import StudioError
 from padstudio.flights.chunks import Chunks, Claim
-from padstudio.flights.cluster.engine import Engine
-from padstudio.flights.cluster.task import Outcome, Task, error_dict
+from padstudio.flights.cluster.task import Engine, Outcome, Task, error_dict
 from padstudio.flights.jobs import Flights
 from padstudio.store.database.engine import storage_error
 from padstudio.store.database.flight_tables import ChunkRow, FlightRow
@@ -104,7 +103,7 @@ class Runner:
 
     def _fill(self) -> None:
         """Claim as much as the engine can do."""
-        limit = 1 if not self._at_work else self._room()
+        limit = self._engine.room(len(self._at_work))
         if limit <= 0:
             return
         for claim in self._chunks.claim(limit):
@@ -113,10 +112,6 @@ class Runner:
             except BaseException:
                 self._chunks.release(claim)
                 raise
-
-    def _room(self) -> int:
-        # A task that waited beside another would be blamed for the death of its worker.
-        return self._engine.capacity - len(self._at_work)
 
     def _submit(self, claim: Claim) -> None:
         loaded = self._chunks.load(claim)
@@ -208,5 +203,5 @@ class Runner:
                     "detail": {},
                 },
             )
-            self._engine.restart_worker_of(key)
+            self._engine.end_worker_of(key)
             self._at_work.pop(key, None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -108,7 +109,11 @@ class VideoIndex:
 
 
 def read_index(
-    source: str, *, max_pixels: int = MAX_PIXELS, max_frames: int = MAX_FRAMES
+    source: str,
+    *,
+    max_pixels: int = MAX_PIXELS,
+    max_frames: int = MAX_FRAMES,
+    pause: Callable[[], object] = lambda: None,
 ) -> VideoIndex:
     """Find every frame of a video from its packets.
 
@@ -117,6 +122,8 @@ def read_index(
     source : str
         A path or a URL that fsspec knows.
     max_pixels, max_frames : int
+    pause : callable
+        Called with every packet.
 
     Raises
     ------
@@ -127,14 +134,14 @@ def read_index(
     """
     with open_container(source, max_pixels) as container:
         stream = main_stream(container, max_pixels)
-        packets = _Packets(container, stream, max_frames)
+        packets = _Packets(container, stream, max_frames, pause)
         time_base = stream.time_base or Fraction(1, 1000)
         # AVI times packets in the order of decoding, which is not the frames' own.
         reordered = container.format.name == "avi" and stream.codec_context.has_b_frames
         is_counted = packets.is_untimed or bool(reordered)
         if is_counted:
             time_base = 1 / (stream.average_rate or Fraction(25))
-            packets.pts = list(range(_count_frames(source, max_pixels)))
+            packets.pts = list(range(_count_frames(source, max_pixels, pause)))
             packets.is_key = [number == 0 for number in packets.pts]
         pts, keyframes = packets.ordered()
         info = _describe(container, stream, pts, time_base, packets.damage)
@@ -197,20 +204,29 @@ def _declared_s(container: InputContainer, stream: VideoStream) -> float:
     return container.duration / _CONTAINER_UNITS
 
 
-def _count_frames(source: str, max_pixels: int) -> int:
+def _count_frames(source: str, max_pixels: int, pause: Callable[[], object]) -> int:
+    count = 0
     with open_container(source, max_pixels) as container:
-        stream = main_stream(container, max_pixels)
-        return sum(1 for _ in decode(container, stream))
+        for _ in decode(container, main_stream(container, max_pixels)):
+            count += 1
+            pause()
+    return count
 
 
 class _Packets:
     """Timestamps of a stream's frames, in decoding order."""
 
-    def __init__(self, container: InputContainer, stream: VideoStream, max_frames: int) -> None:
+    def __init__(
+        self,
+        container: InputContainer,
+        stream: VideoStream,
+        max_frames: int,
+        pause: Callable[[], object],
+    ) -> None:
         self.pts: list[int | None] = []
         self.is_key: list[bool] = []
         self.damage: list[str] = []
-        self._read(container, stream, max_frames)
+        self._read(container, stream, max_frames, pause)
         if not self.pts:
             raise VideoError(
                 "the video holds no frame; the recording was cut short before the first one",
@@ -222,12 +238,19 @@ class _Packets:
         """True where the container does not time each frame on its own."""
         return None in self.pts or len(set(self.pts)) < len(self.pts)
 
-    def _read(self, container: InputContainer, stream: VideoStream, max_frames: int) -> None:
+    def _read(
+        self,
+        container: InputContainer,
+        stream: VideoStream,
+        max_frames: int,
+        pause: Callable[[], object],
+    ) -> None:
         import av
 
         corrupt = 0
         try:
             for packet in container.demux(stream):
+                pause()
                 # An edit list may hide frames that others need.
                 if not packet.size or packet.is_discard:
                     continue

@@ -37,9 +37,12 @@ from padstudio.web.server.flight_desk import open_desk
 from padstudio.web.server.services import Analyze, Services
 from padstudio.web.server.settings import Settings, load_settings
 from padstudio.workers import detection
+from padstudio.workers.inside import Limits
 from padstudio.workers.pool import WorkerPool
 
 API = "/api/v1"
+# Of the worker processes: between the server, at 0, and what runs when nothing else does.
+_NICENESS = 10
 _DESCRIPTION = (
     "Design pads, and find them in pictures. Every error has one shape, `ErrorBody`. A server "
     "that asks for a token takes it as `Authorization: Bearer <token>` or `?token=<token>`."
@@ -113,8 +116,9 @@ async def _serving(settings: Settings, analyze: Analyze, app: FastAPI) -> AsyncI
         keep_trace_bytes=settings.keep_trace_bytes,
         upload_limits=_upload_limits(settings),
     )
-    pool = WorkerPool(settings.workers, settings.worker_memory_bytes, settings.max_waiting)
-    desk = open_desk(settings, store)
+    limits = Limits(settings.worker_memory_bytes, _NICENESS)
+    pool = WorkerPool(settings.workers, limits, settings.max_waiting)
+    desk = open_desk(settings, store, pool)
     services = app.state.services = Services(settings, store, pool, desk, analyze)
     desk.start()
     expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))

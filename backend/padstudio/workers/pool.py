@@ -1,35 +1,24 @@
 """Processes that do what must not harm or hold up the server.
 
-Each takes one call at a time. A call that exceeds its time is ended with its process; a process
-that dies costs its caller an error; the next call gets a new process.
+Requests, for whose answers somebody waits, and tasks, which may take minutes, share them. A process
+that works on a task answers requests between two of its steps (`padstudio.workers.inside`), so that
+a request waits for a step and not for a task. A call that exceeds its time is ended with its
+process; a process that dies costs its caller an error; the next call gets a new process.
 """
 
 from __future__ import annotations
 
-import contextlib
-import multiprocessing
-import os
-import signal
-import sys
 import threading
-import traceback
+from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
-from multiprocessing.connection import Connection
-from typing import Any, TypeVar
+from concurrent.futures import Future
+from typing import Any, Literal, TypeVar
 
-from padstudio.errors import (
-    BusyError,
-    LimitError,
-    StudioError,
-    TimeLimitError,
-    WorkerCrashError,
-    full_disk,
-)
+from padstudio.errors import BusyError
+from padstudio.workers.inside import Limits
+from padstudio.workers.process import Call, Process
 
 ResultT = TypeVar("ResultT")
-# A fork of a threaded server may inherit locks that nobody will release.
-_context = multiprocessing.get_context("spawn")
 
 
 class WorkerPool:
@@ -39,24 +28,26 @@ class WorkerPool:
     ----------
     size : int
         Number of processes.
-    memory_bytes : int
-        Data that each may allocate; enforced on Linux.
+    limits : Limits
+        What each may take.
     max_waiting : int
-        Calls that may wait for a process.
+        Requests that may wait for a process.
     """
 
-    def __init__(self, size: int, memory_bytes: int, max_waiting: int) -> None:
+    def __init__(self, size: int, limits: Limits, max_waiting: int) -> None:
         self._room = threading.BoundedSemaphore(size + max_waiting)
-        self._memory_bytes = memory_bytes
-        self._mine = threading.local()
+        self._changed = threading.Condition()
+        self._requests: deque[Call] = deque()
+        self._tasks: deque[Call] = deque()
+        self._unstarted = [_Worker(limits) for _ in range(size)]
         self._workers: list[_Worker] = []
-        # One thread drives one process, so that neither needs a queue of its own.
-        self._threads = ThreadPoolExecutor(size, thread_name_prefix="worker")
+        self._threads: list[threading.Thread] = []
+        self._is_closed = False
 
     def submit(
         self, function: Callable[..., ResultT], *args: Any, timeout_s: float
     ) -> Future[ResultT]:
-        """Call a function in a worker process.
+        """Call a function in a worker process, before tasks.
 
         Parameters
         ----------
@@ -76,150 +67,145 @@ class WorkerPool:
         Raises
         ------
         BusyError
-            If too many calls wait.
+            If too many requests wait.
         """
         if not self._room.acquire(blocking=False):
             raise BusyError(
                 "the server is busy with as many pictures and pads as it takes at a time; try "
                 "again in a moment"
             )
-        try:
-            future = self._threads.submit(self._call, function, args, timeout_s)
-        except BaseException:
-            self._room.release()
-            raise
-        future.add_done_callback(lambda _: self._room.release())
-        return future
+        call = Call(function, args, timeout_s)
+        call.future.add_done_callback(lambda _: self._room.release())
+        self._add(self._requests, call)
+        return call.future
+
+    def start(
+        self, function: Callable[..., Any], *args: Any, timeout_s: float | None = None
+    ) -> Call:
+        """Call a function that takes its time, and calls `checkpoint`; as `submit`, never busy.
+
+        The future may also have `TaskLostError`; such a task is worth another try.
+        """
+        call = Call(function, args, timeout_s)
+        self._add(self._tasks, call)
+        return call
+
+    @property
+    def free(self) -> int:
+        """Further tasks that would not wait for others."""
+        with self._changed:
+            at_work = sum(worker.task is not None for worker in self._workers)
+            size = len(self._workers) + len(self._unstarted)
+            return max(0, size - at_work - len(self._tasks))
 
     def close(self) -> None:
         """End the processes; calls at work fail."""
-        self._threads.shutdown(wait=False, cancel_futures=True)
+        with self._changed:
+            self._is_closed = True
+            waiting = [*self._requests, *self._tasks]
+            self._changed.notify_all()
+        for call in waiting:
+            call.future.cancel()
         for worker in self._workers:
-            worker.kill()
-        self._threads.shutdown(wait=True)
-        for worker in self._workers:
-            worker.stop()
+            worker.close()
+        for thread in self._threads:
+            thread.join()
 
-    def _call(
-        self, function: Callable[..., ResultT], args: tuple[Any, ...], timeout_s: float
-    ) -> ResultT:
-        worker = getattr(self._mine, "worker", None)
-        if worker is None:
-            worker = self._mine.worker = _Worker(self._memory_bytes)
-            self._workers.append(worker)
-        value: ResultT = worker.call(function, args, timeout_s)
-        return value
+    def _add(self, calls: deque[Call], call: Call) -> None:
+        with self._changed:
+            if self._is_closed:
+                call.future.cancel()
+                return
+            calls.append(call)
+            free = sum(worker.is_free for worker in self._workers)
+            if self._unstarted and len(self._requests) + len(self._tasks) > free:
+                self._begin(self._unstarted.pop())
+            self._changed.notify_all()
+
+    def _begin(self, worker: _Worker) -> None:
+        """Set two threads on a process: one for each of its pipes, so that none needs a queue."""
+        self._workers.append(worker)
+        for drive in (self._drive_requests, self._drive_tasks):
+            thread = threading.Thread(target=drive, args=(worker,), name="worker", daemon=True)
+            self._threads.append(thread)
+            thread.start()
+
+    def _drive_requests(self, worker: _Worker) -> None:
+        def wanted() -> bool:
+            others = any(other.is_free for other in self._workers)
+            return bool(self._requests) and (worker.is_free or not others)
+
+        while self._wait_for(wanted):
+            process = worker.started()
+            is_ready = process.offer_request()
+            call = None
+            # Whoever died beside its task took no request with it.
+            if is_ready or worker.task is None:
+                call = worker.request = self._next(self._requests)
+            if call is not None:
+                deliver = call.run(process.answer)
+                self._done(worker, "request")
+                deliver()
+            elif is_ready:
+                process.withdraw_request()
+
+    def _drive_tasks(self, worker: _Worker) -> None:
+        while self._wait_for(lambda: bool(self._tasks) and worker.is_free):
+            call = worker.task = self._next(self._tasks)
+            if call is not None:
+                call.process = worker.started()
+                deliver = call.run(call.process.do_task)
+                self._done(worker, "task")
+                deliver()
+
+    def _wait_for(self, wanted: Callable[[], bool]) -> bool:
+        """Wait until there is something to do; False where the pool is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._is_closed or wanted())
+            return not self._is_closed
+
+    def _next(self, calls: deque[Call]) -> Call | None:
+        with self._changed:
+            while calls:
+                call = calls.popleft()
+                if call.future.set_running_or_notify_cancel():
+                    return call
+            return None
+
+    def _done(self, worker: _Worker, what: Literal["request", "task"]) -> None:
+        with self._changed:
+            setattr(worker, what, None)
+            self._changed.notify_all()
 
 
 class _Worker:
-    """One process and the pipe to it."""
+    """A place for one process, and what it is at."""
 
-    def __init__(self, memory_bytes: int) -> None:
-        self._memory_bytes = memory_bytes
-        self._process: multiprocessing.process.BaseProcess | None = None
-        self._pipe: Connection | None = None
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._lock = threading.Lock()
+        self._process: Process | None = None
+        self._is_closed = False
+        self.request: Call | None = None
+        self.task: Call | None = None
 
-    def call(self, function: Callable[..., Any], args: tuple[Any, ...], timeout_s: float) -> Any:
-        pipe = self._started()
-        try:
-            pipe.send((function, args))
-            if not pipe.poll(timeout_s):
-                self.stop()
-                raise TimeLimitError(
-                    f"the work took longer than {timeout_s:g} s and was ended; try something "
-                    "smaller, or raise the limit in the settings"
-                )
-            kind, value = pipe.recv()
-        except (EOFError, OSError) as error:
-            self.stop()
-            raise WorkerCrashError(
-                "the process that worked on this died, most likely for lack of memory or of a "
-                "damaged file; try a smaller or repaired one"
-            ) from error
-        if kind == "defect":
-            defect = RuntimeError(f"{function.__qualname__} failed in a worker")
-            defect.add_note(value)
-            raise defect
-        if kind == "error":
-            raise value
-        return value
+    @property
+    def is_free(self) -> bool:
+        """True where it is at nothing."""
+        return self.request is None and self.task is None
 
-    def kill(self) -> None:
-        """End the process at once; safe while another thread waits in `call`."""
-        process = self._process
-        if process is not None:
-            with contextlib.suppress(ValueError):  # closed in between
-                process.kill()
+    def started(self) -> Process:
+        """The process; another one where the last one ended."""
+        with self._lock:
+            if self._process is None or not self._process.is_alive():
+                self._process = Process(self._limits)
+            if self._is_closed:
+                self._process.end()
+            return self._process
 
-    def stop(self) -> None:
-        """End the process and let go of it."""
-        process, self._process = self._process, None
-        if process is not None:
-            process.kill()
-            process.join()
-            process.close()
-        if self._pipe is not None:
-            self._pipe.close()
-
-    def _started(self) -> Connection:
-        if self._process is None or self._pipe is None or not self._process.is_alive():
-            self.stop()
-            self._pipe, theirs = _context.Pipe()
-            self._process = _context.Process(
-                target=_serve, args=(theirs, self._memory_bytes), daemon=True
-            )
-            self._process.start()
-            theirs.close()
-        return self._pipe
-
-
-def _serve(pipe: Connection, memory_bytes: int) -> None:
-    """The worker process: answers calls until its pipe closes."""
-    # Ctrl-C reaches the whole group; the server ends its workers itself.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _limit_memory(memory_bytes)
-    # Where every core has a worker, threads of linear algebra wait for each other, ten times as
-    # long as they compute. NumPy reads this when it is first imported.
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    while True:
-        try:
-            function, args = pipe.recv()
-        except EOFError:
-            return
-        pipe.send(_answer(function, args))
-
-
-def _answer(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, Any]:
-    try:
-        return "value", function(*args)
-    except StudioError as error:
-        return "error", _portable(error)
-    except Exception as error:
-        if _out_of_memory(error):
-            return "error", LimitError(
-                "the work needs more memory than a worker may take; try something smaller"
-            )
-        full = full_disk(error)
-        return ("error", full) if full else ("defect", traceback.format_exc())
-
-
-def _portable(error: StudioError) -> StudioError:
-    """The error as its nearest class of `padstudio.errors`; others need not survive pickling."""
-    for base in type(error).__mro__:
-        if issubclass(base, StudioError) and base.__module__ == StudioError.__module__:
-            return base(error.message, code=error.error_code, detail=error.detail)
-    raise AssertionError("every StudioError descends from padstudio.errors")
-
-
-def _out_of_memory(error: Exception) -> bool:
-    # OpenCV has an exception of its own, with this text and code.
-    return isinstance(error, MemoryError) or "Insufficient memory" in str(error)
-
-
-def _limit_memory(memory_bytes: int) -> None:
-    if sys.platform != "linux":
-        return
-    import resource
-
-    # Data rather than address space: threads and allocators reserve far more than they use.
-    resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+    def close(self) -> None:
+        """End the process for good."""
+        with self._lock:
+            self._is_closed = True
+            if self._process is not None:
+                self._process.end()

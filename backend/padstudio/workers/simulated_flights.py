@@ -13,6 +13,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.simulate import looks, trajectories, writer
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.workers.frames import check_pixels, dressed_scene
+from padstudio.workers.inside import checkpoint
 
 #: In the folder: pictures, truth, pad and camera; the footage alone; frames done; asked to stop.
 ARCHIVE, FOOTAGE, DONE, STOP = "flight.zip", "footage", "done", "stop"
@@ -94,6 +95,7 @@ def _reporter(folder: Path) -> Callable[[int], None]:
         if (folder / STOP).exists():
             raise ConflictError("the simulation was stopped", code="cancelled")
         (folder / DONE).write_text(str(done))
+        checkpoint()
 
     return report
 

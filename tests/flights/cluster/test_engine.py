@@ -1,4 +1,4 @@
-"""Dask's workers: values, errors, deaths, stops; started here, and lent to a scheduler by TLS."""
+"""Workers of tasks: values, errors, deaths, stops; those here, and those lent to a scheduler."""
 
 from __future__ import annotations
 
@@ -15,10 +15,14 @@ import psutil
 import pytest
 
 from padstudio.errors import SpecError
-from padstudio.flights.cluster.engine import Engine, EngineOptions
-from padstudio.flights.cluster.task import Outcome, Task
+from padstudio.flights.cluster.engine import Cluster, ClusterEngine
+from padstudio.flights.cluster.local import LocalEngine
+from padstudio.flights.cluster.task import Engine, Outcome, Task
+from padstudio.workers.inside import Limits
+from padstudio.workers.pool import WorkerPool
 
 HERE = Path(engine_jobs.__file__).parent
+NICENESS = 10
 
 
 class Desk:
@@ -45,17 +49,16 @@ class Desk:
 
 @pytest.fixture(scope="module")
 def desk() -> Iterator[Desk]:
-    with importable(HERE):
-        engine = Engine(EngineOptions(workers=1, worker_memory_bytes=1_000_000_000))
-        yield Desk(engine)
-        engine.close()
+    pool = WorkerPool(1, Limits(1_000_000_000, NICENESS), max_waiting=0)
+    yield Desk(LocalEngine(pool))
+    pool.close()
 
 
 @contextlib.contextmanager
 def importable(folder: Path) -> Iterator[None]:
     """Lets workers import the tests' own modules."""
     before = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = str(folder)
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(folder), *filter(None, [before])])
     try:
         yield
     finally:
@@ -64,19 +67,22 @@ def importable(folder: Path) -> Iterator[None]:
             os.environ["PYTHONPATH"] = before
 
 
+def worker(desk: Desk) -> int:
+    """The process id of the worker."""
+    return int(desk.run(engine_jobs.Say(0)).value[1])
+
+
 def test_a_value_comes_from_another_process(desk: Desk) -> None:
     outcome = desk.run(engine_jobs.Say(5))
     assert outcome.kind == "value"
     assert outcome.value[0] == 5
     assert outcome.value[1] != os.getpid()
-    assert desk.engine.worker_pids() == [outcome.value[1]]
-    assert desk.engine.capacity == 1
+    assert outcome.value[1] == worker(desk)
+    assert desk.engine.room(0) == 1
 
 
 def test_workers_here_leave_the_server_the_first_turn(desk: Desk) -> None:
-    server = psutil.Process().nice()
-    for pid in desk.engine.worker_pids():
-        assert psutil.Process(pid).nice() == max(10, server)
+    assert psutil.Process(worker(desk)).nice() == max(NICENESS, psutil.Process().nice())
 
 
 def test_refusals_keep_code_and_detail(desk: Desk) -> None:
@@ -94,13 +100,13 @@ def test_a_defect_is_named(desk: Desk) -> None:
 
 
 def test_a_worker_that_cannot_read_its_task_says_so_and_lives(desk: Desk) -> None:
-    workers = desk.engine.worker_pids()
+    before = worker(desk)
     outcome = desk.run(engine_jobs.Foreign())
     assert outcome.kind == "refused"
     assert outcome.error is not None
     assert outcome.error["code"] == "worker_differs"
     assert "same version" in outcome.error["message"]
-    assert desk.engine.worker_pids() == workers
+    assert worker(desk) == before
 
 
 def test_a_death_is_told_and_another_worker_goes_on(desk: Desk) -> None:
@@ -111,9 +117,18 @@ def test_a_death_is_told_and_another_worker_goes_on(desk: Desk) -> None:
     assert desk.run(engine_jobs.Say(1)).value[0] == 1
 
 
+def test_a_worker_that_hangs_is_ended(desk: Desk, tmp_path: Path) -> None:
+    hanging = desk.submit(engine_jobs.WaitForStop(tmp_path))
+    cluster_processes.wait_for(tmp_path / "running")
+    desk.engine.end_worker_of(hanging)
+    assert desk.next().kind == "crashed"
+    assert desk.run(engine_jobs.Say(4)).value[0] == 4
+
+
 def test_stop_reaches_running_and_waiting_tasks(desk: Desk, tmp_path: Path) -> None:
     running = desk.submit(engine_jobs.WaitForStop(tmp_path))
     waiting = desk.submit(engine_jobs.Say(2))
+    assert desk.engine.room(2) == 0
     cluster_processes.wait_for(tmp_path / "running")
     desk.engine.stop(waiting)
     assert desk.next().kind == "lost"
@@ -126,21 +141,21 @@ def test_stop_reaches_running_and_waiting_tasks(desk: Desk, tmp_path: Path) -> N
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:8786", "127.0.0.1:8786", "ws://a:1"])
 def test_addresses_without_encryption_are_refused(address: str) -> None:
     with pytest.raises(SpecError, match="not encrypted") as caught:
-        EngineOptions(scheduler=address)
+        Cluster(scheduler=address)
     assert caught.value.error_code == "invalid_setting"
 
 
-@pytest.mark.parametrize("worker", [cluster_processes.worker, cluster_processes.plain_worker])
-def test_workers_join_a_scheduler(worker: Callable[..., Any], tmp_path: Path) -> None:
+@pytest.mark.parametrize("lend", [cluster_processes.worker, cluster_processes.plain_worker])
+def test_workers_join_a_scheduler(lend: Callable[..., Any], tmp_path: Path) -> None:
     tls = cluster_processes.certificates(tmp_path)
     with cluster_processes.scheduler(tls, tmp_path) as (_, address), importable(HERE):
-        options = EngineOptions(
+        cluster = Cluster(
             scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
         )
-        with contextlib.closing(Engine(options)) as engine:
-            assert engine.capacity == 1
+        with contextlib.closing(ClusterEngine(cluster)) as engine:
+            assert (engine.room(0), engine.room(1)) == (1, 0)
             assert "no worker is connected" in str(engine.tend())
-            with worker(tls, address) as process:
+            with lend(tls, address) as process:
                 outcome = Desk(engine).run(engine_jobs.Say(8))
                 assert outcome.kind == "value"
                 assert outcome.value[0] == 8

@@ -12,7 +12,7 @@ import cluster_processes
 import flight_orders
 import videos
 
-from padstudio.flights.cluster.engine import EngineOptions
+from padstudio.flights.cluster.engine import Cluster, ClusterEngine
 from padstudio.flights.desk import FlightDesk
 from padstudio.flights.results.frames import Results
 from padstudio.flights.tasks.from_rows import WorkLimits
@@ -41,8 +41,10 @@ def test_all_that_is_unfinished_is_done_by_the_next_scheduler(tmp_path: Path) ->
         desk = FlightDesk(
             store.session,
             store.uploads,
-            EngineOptions(
-                scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
+            ClusterEngine(
+                Cluster(
+                    scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
+                )
             ),
             WorkLimits(chunk_frames=3),
             Storage(str(tmp_path / "shared")),

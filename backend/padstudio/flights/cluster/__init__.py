@@ -1,1 +1,1 @@
-"""Workers of flights, on this machine or on many, by Dask, which nothing else imports."""
+"""Where tasks of flights run: processes here, or a cluster by Dask, which nothing else imports."""

@@ -1,15 +1,11 @@
-"""Where the work on flights runs: Dask's workers, on this machine or on a cluster.
-
-Started when there is work. Without an address it is a cluster of worker processes on the loopback
-interface, encrypted with keys of its own, so that other users of the machine cannot send it tasks.
-The engine may be lost at any time; who uses it asks again.
-"""
+"""Tasks in the workers of a cluster, by Dask; started when there is work."""
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import contextlib
 import logging
-import os
 import pickle
 import threading
 import time
@@ -19,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from padstudio.errors import SpecError
-from padstudio.flights.cluster.task import Outcome, Task, configure, outcome_of, perform
+from padstudio.flights.cluster.task import Kind, Outcome, Task, crashed, outcome, perform
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -27,83 +23,63 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _CONNECT_S = 15
+# How often a task asks whether it is to stop; the question goes to the scheduler and back.
+_ASK_EVERY_S = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
-class EngineOptions:
-    """How the engine is started.
+class Cluster:
+    """Where a cluster's scheduler is.
 
     Attributes
     ----------
-    scheduler : str or None
-        Address of a scheduler, ``tls://host:8786``; None starts worker processes here.
+    scheduler : str
+        Its address, ``tls://host:8786``.
     tls_ca, tls_cert, tls_key : str or None
-        PEM files for a scheduler's address; None leaves it to Dask's own configuration.
-    workers : int
-        Processes here.
-    worker_memory_bytes : int
-        What each of them may take before it is ended.
+        PEM files; None leaves them to Dask's own configuration.
     """
 
-    scheduler: str | None = None
+    scheduler: str
     tls_ca: str | None = None
     tls_cert: str | None = None
     tls_key: str | None = None
-    workers: int = 2
-    worker_memory_bytes: int = 3_000_000_000
 
     def __post_init__(self) -> None:
         check_scheduler(self.scheduler)
 
 
-class Engine:
-    """Runs tasks and says how they ended.
+class ClusterEngine:
+    """An `Engine` of a scheduler's workers.
 
     Parameters
     ----------
-    options : EngineOptions
+    cluster : Cluster
     """
 
-    def __init__(self, options: EngineOptions) -> None:
-        self._options = options
+    def __init__(self, cluster: Cluster) -> None:
+        self._cluster = cluster
         self._lock = threading.Lock()
         self._client: Client | None = None
-        self._cluster: Any = None
         self._futures: dict[str, Future[Any]] = {}
 
-    @property
-    def capacity(self) -> int:
-        """Tasks that can run at a time; starts the engine. At least 1."""
-        if self._options.scheduler is None:
-            self._started()
-            return self._options.workers
+    def room(self, at_work: int) -> int:
+        """As of `Engine`; reaches for the scheduler where there is something at work."""
+        if not at_work:
+            return 1
         workers = self._started().scheduler_info(n_workers=-1)["workers"]
-        return max(1, sum(int(worker["nthreads"]) for worker in workers.values()))
+        # A task that waited beside another would be blamed for the death of its worker.
+        return max(1, sum(int(worker["nthreads"]) for worker in workers.values())) - at_work
 
     def submit(self, key: str, task: Task, ended: Callable[[Outcome], None]) -> None:
-        """Run a task.
-
-        Parameters
-        ----------
-        key : str
-            Names the task; never used twice.
-        task : Task
-        ended : callable
-            Called once, from another thread.
-
-        Raises
-        ------
-        OSError, TimeoutError
-            If the engine cannot be started or reached.
-        """
+        """As of `Engine`."""
         client = self._started()
         # Crashes are counted by who calls, chunk by chunk.
-        future = client.submit(perform, pickle.dumps(task), key, key=key, pure=False, retries=0)
+        future = client.submit(_perform, pickle.dumps(task), key, key=key, pure=False, retries=0)
         self._futures[key] = future
         future.add_done_callback(lambda done: self._ended(key, done, ended))
 
     def stop(self, key: str) -> None:
-        """Tell a task to stop: at once where it waits, soon where it runs."""
+        """As of `Engine`."""
         future = self._futures.get(key)
         if future is None or self._client is None or self._client.status != "running":
             return
@@ -114,8 +90,8 @@ class Engine:
         with contextlib.suppress(Exception):
             future.cancel()
 
-    def restart_worker_of(self, key: str) -> None:
-        """End the process that hangs in a task; its nanny starts another."""
+    def end_worker_of(self, key: str) -> None:
+        """As of `Engine`; its nanny starts another."""
         client = self._client
         if client is None:
             return
@@ -125,128 +101,74 @@ class Engine:
                 client.restart_workers(addresses, timeout=30, raise_for_error=False)
 
     def tend(self) -> str | None:
-        """Replace workers here that died while they started, which their nannies do not survive.
-
-        Returns
-        -------
-        str or None
-            A sentence where there is no worker, for who waits for one.
-        """
-        cluster, client = self._cluster, self._client
+        """As of `Engine`; whoever lends workers sees to them."""
+        client = self._client
         if client is None or client.status != "running":
             return None
-        if cluster is None:
-            at_work = client.scheduler_info(n_workers=1)["workers"]
-            return None if at_work else "no worker is connected to the scheduler; start some"
-        at_work = cluster.scheduler_info["workers"]
-        if len(at_work) < self._options.workers:
-            cluster.loop.add_callback(_replace_failed, cluster, self._options.workers)
-        return None if at_work else "no worker process is up; others are being started"
-
-    def worker_pids(self) -> list[int]:
-        """Process ids of the workers, for tests and for who watches over them."""
-        return list(self._started().run(os.getpid).values())
+        at_work = client.scheduler_info(n_workers=1)["workers"]
+        return None if at_work else "no worker is connected to the scheduler; start some"
 
     def is_lost(self) -> bool:
         """True where the engine was started and its scheduler is gone."""
         return self._client is not None and self._client.status not in ("running", "connecting")
 
     def close(self) -> None:
-        """End the workers started here; tasks at work are lost."""
+        """As of `Engine`."""
         with self._lock:
-            client, cluster = self._client, self._cluster
-            self._client = self._cluster = None
-        for part in (client, cluster):
-            if part is not None:
-                with contextlib.suppress(Exception):
-                    part.close(timeout=10)
-        self._futures.clear()
+            self._drop(timeout_s=10)
 
     def _started(self) -> Client:
         with self._lock:
             if self._client is not None and self.is_lost():
-                self._drop()
+                self._drop(timeout_s=2)
             if self._client is None:
                 started = time.monotonic()
-                self._start()
-                logger.info("engine started in %.1f s", time.monotonic() - started)
-            assert self._client is not None
+                self._client = self._connect()
+                logger.info("the scheduler was reached in %.1f s", time.monotonic() - started)
             return self._client
 
-    def _start(self) -> None:
-        from distributed import Client, LocalCluster
-        from distributed.security import Security
+    def _connect(self) -> Client:
+        from distributed import Client
 
         configure()
-        options = self._options
-        if options.scheduler is not None:
-            self._client = Client(
-                options.scheduler,
-                security=security_of(options),
-                timeout=_CONNECT_S,
-                set_as_default=False,
-            )
-            return
-        security = Security.temporary()
-        self._cluster = LocalCluster(
-            n_workers=options.workers,
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=options.worker_memory_bytes,
-            host="127.0.0.1",
-            protocol="tls://",
-            security=security,
-            dashboard_address=None,
-            preload=["padstudio.flights.cluster.priority"],
-            worker_dashboard_address=None,
-            # The scheduler serves its state in any case; a free port, as two studios may run.
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
-            silence_logs=logging.ERROR,
+        return Client(
+            self._cluster.scheduler,
+            security=security_of(self._cluster),
+            timeout=_CONNECT_S,
+            set_as_default=False,
         )
-        self._client = Client(self._cluster, security=security, set_as_default=False)
 
-    def _drop(self) -> None:
-        client, cluster, self._client, self._cluster = self._client, self._cluster, None, None
+    def _drop(self, timeout_s: float) -> None:
+        client, self._client = self._client, None
         self._futures.clear()
-        for part in (client, cluster):
-            if part is not None:
-                with contextlib.suppress(Exception):
-                    part.close(timeout=2)
+        if client is not None:
+            with contextlib.suppress(Exception):
+                client.close(timeout=timeout_s)
 
     def _ended(self, key: str, future: Future[Any], ended: Callable[[Outcome], None]) -> None:
-        outcome = outcome_of(future)
+        found = _outcome_of(future)
         self._futures.pop(key, None)
         with contextlib.suppress(Exception):
             future.release()
-        ended(outcome)
+        ended(found)
 
 
-def _replace_failed(cluster: Any, workers: int) -> None:
-    """Forget nannies that ended, and start others; in the cluster's own thread."""
-    from distributed.core import Status
-
-    for name, nanny in list(cluster.workers.items()):
-        if nanny.status in (Status.failed, Status.closed):
-            del cluster.workers[name]
-    cluster.scale(workers)
-
-
-def security_of(options: EngineOptions) -> Any:
+def security_of(cluster: Cluster) -> Any:
     """Dask's security for a scheduler's address."""
     from distributed.security import Security
 
     given = {
-        "tls_ca_file": options.tls_ca,
-        "tls_client_cert": options.tls_cert,
-        "tls_client_key": options.tls_key,
-        "tls_worker_cert": options.tls_cert,
-        "tls_worker_key": options.tls_key,
+        "tls_ca_file": cluster.tls_ca,
+        "tls_client_cert": cluster.tls_cert,
+        "tls_client_key": cluster.tls_key,
+        "tls_worker_cert": cluster.tls_cert,
+        "tls_worker_key": cluster.tls_key,
     }
     known = {name: value for name, value in given.items() if value is not None}
     return Security(**known, require_encryption=True)
 
 
-def check_scheduler(address: str | None) -> None:
+def check_scheduler(address: str) -> None:
     """Refuse an address over which anybody could send tasks.
 
     Raises
@@ -254,9 +176,71 @@ def check_scheduler(address: str | None) -> None:
     SpecError
         If it is not encrypted.
     """
-    if address is not None and urlsplit(address).scheme != "tls":
+    if urlsplit(address).scheme != "tls":
         raise SpecError(
             f"the scheduler's address {address} is not encrypted, and tasks are programs: start it "
             "with TLS and give tls://host:port (PADSTUDIO_SCHEDULER)",
             code="invalid_setting",
         )
+
+
+def configure() -> None:
+    """Set what every client and worker of ours needs."""
+    import dask
+
+    dask.config.set(
+        {
+            # One task a worker: a dead worker is blamed on the task that it worked on.
+            "distributed.scheduler.worker-saturation": 1.0,
+            "distributed.scheduler.allowed-failures": 0,
+            "distributed.worker.memory.target": False,
+            "distributed.worker.memory.spill": False,
+            "distributed.worker.memory.pause": False,
+            # Stacks sampled a hundred times a second, and kept for an hour.
+            "distributed.worker.profile.enabled": False,
+            "distributed.admin.large-graph-warning-threshold": "1GB",
+            # Large frames come and go; giving their memory back each time costs a sixth.
+            "distributed.nanny.pre-spawn-environ": {
+                "MALLOC_TRIM_THRESHOLD_": 268435456,
+                "MALLOC_MMAP_THRESHOLD_": 268435456,
+                "OMP_NUM_THREADS": 1,
+                "MKL_NUM_THREADS": 1,
+                "OPENBLAS_NUM_THREADS": 1,
+            },
+        }
+    )
+
+
+def _perform(packed: bytes, stop: str) -> tuple[Kind, Any]:
+    return perform(packed, _stop_signal(stop))
+
+
+def _stop_signal(name: str) -> Callable[[], bool]:
+    from distributed import Event
+
+    event = Event(name)
+    asked, answer = time.monotonic(), False
+
+    def stopped() -> bool:
+        nonlocal asked, answer
+        if time.monotonic() - asked >= _ASK_EVERY_S:
+            asked, answer = time.monotonic(), bool(event.is_set())
+        return answer
+
+    return stopped
+
+
+def _outcome_of(future: Future[Any]) -> Outcome:
+    from distributed.scheduler import KilledWorker
+
+    try:
+        return outcome(*future.result(timeout=60))
+    except KilledWorker:
+        return crashed()
+    except (asyncio.CancelledError, concurrent.futures.CancelledError):
+        return Outcome("lost")
+    except Exception as error:
+        if future.status == "error":
+            logger.exception("a task brought a defect to light")
+            return crashed(error)
+        return Outcome("lost")

@@ -1,25 +1,19 @@
-"""A task on its way through Dask: configured, run in a worker, and what came of it."""
+"""Tasks, how they end, and what an engine does with them."""
 
 from __future__ import annotations
 
-import asyncio
-import concurrent.futures
 import logging
 import pickle
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from padstudio.errors import StudioError
-
-if TYPE_CHECKING:
-    from distributed import Future
+from padstudio.workers.inside import known_fault
 
 logger = logging.getLogger(__name__)
 
-# How often a task asks whether it is to stop; the question goes to the scheduler and back.
-_ASK_EVERY_S = 0.25
+Kind = Literal["value", "refused", "crashed", "lost"]
 
 
 class TaskStoppedError(Exception):
@@ -30,7 +24,7 @@ class Task(Protocol):
     """What the engine runs; must be picklable."""
 
     def run(self, stopped: Callable[[], bool]) -> Any:
-        """Do the work; may end early where `stopped` says so."""
+        """Do the work; asks `stopped` between its steps, and ends early where that says so."""
 
 
 @dataclass(frozen=True)
@@ -48,42 +42,51 @@ class Outcome:
         ``code``, ``message``, ``detail``.
     """
 
-    kind: Literal["value", "refused", "crashed", "lost"]
+    kind: Kind
     value: Any = None
     error: dict[str, Any] | None = None
 
 
-def configure() -> None:
-    """Set what every scheduler and worker of ours needs."""
-    import dask
+class Engine(Protocol):
+    """Runs tasks and says how they ended; may be lost at any time, and started again."""
 
-    dask.config.set(
-        {
-            # One task a worker: a dead worker is blamed on the task that it worked on.
-            "distributed.scheduler.worker-saturation": 1.0,
-            "distributed.scheduler.allowed-failures": 0,
-            "distributed.worker.memory.target": False,
-            "distributed.worker.memory.spill": False,
-            "distributed.worker.memory.pause": False,
-            # Stacks sampled a hundred times a second, and kept for an hour.
-            "distributed.worker.profile.enabled": False,
-            "distributed.admin.large-graph-warning-threshold": "1GB",
-            # Large frames come and go; giving their memory back each time costs a sixth.
-            "distributed.nanny.pre-spawn-environ": {
-                "MALLOC_TRIM_THRESHOLD_": 268435456,
-                "MALLOC_MMAP_THRESHOLD_": 268435456,
-                "OMP_NUM_THREADS": 1,
-                "MKL_NUM_THREADS": 1,
-                "OPENBLAS_NUM_THREADS": 1,
-            },
-        }
-    )
+    def room(self, at_work: int) -> int:
+        """How many more tasks can be taken beside those that the caller has at work."""
+
+    def submit(self, key: str, task: Task, ended: Callable[[Outcome], None]) -> None:
+        """Run a task.
+
+        Parameters
+        ----------
+        key : str
+            Names the task; never used twice.
+        task : Task
+        ended : callable
+            Called once, from another thread.
+
+        Raises
+        ------
+        OSError, TimeoutError
+            If the engine cannot be started or reached.
+        """
+
+    def stop(self, key: str) -> None:
+        """Tell a task to stop: at once where it waits, soon where it runs."""
+
+    def end_worker_of(self, key: str) -> None:
+        """End the process that hangs in a task; another takes its place."""
+
+    def tend(self) -> str | None:
+        """See that there are workers; a sentence where there is none, for who waits for one."""
+
+    def close(self) -> None:
+        """Let go of the workers; tasks at work are lost."""
 
 
-def perform(packed: bytes, stop: str) -> tuple[str, Any]:
+def perform(packed: bytes, stopped: Callable[[], bool]) -> tuple[Kind, Any]:
     """Run a pickled task in a worker; errors come back as values, as pickling would lose parts.
 
-    The task is unpickled here, as Dask ends workers that cannot read what they are sent.
+    The task is unpickled here, as workers end that cannot read what they are sent.
     """
     try:
         task: Task = pickle.loads(packed)
@@ -95,58 +98,43 @@ def perform(packed: bytes, stop: str) -> tuple[str, Any]:
         )
         return "refused", {"code": "worker_differs", "message": message, "detail": {}}
     try:
-        return "value", task.run(_stop_signal(stop))
+        return "value", task.run(stopped)
     except TaskStoppedError:
         return "lost", None
     except StudioError as error:
         return "refused", error_dict(error)
-
-
-def _stop_signal(name: str) -> Callable[[], bool]:
-    from distributed import Event
-
-    event = Event(name)
-    asked, answer = time.monotonic(), False
-
-    def stopped() -> bool:
-        nonlocal asked, answer
-        if time.monotonic() - asked >= _ASK_EVERY_S:
-            asked, answer = time.monotonic(), bool(event.is_set())
-        return answer
-
-    return stopped
-
-
-def outcome_of(future: Future[Any]) -> Outcome:
-    """How a future that is over ended."""
-    from distributed.scheduler import KilledWorker
-
-    try:
-        kind, value = future.result(timeout=60)
-    except KilledWorker:
-        return Outcome(
-            "crashed",
-            error={
-                "code": "worker_crashed",
-                "message": "the process that worked on it died, most likely for lack of memory or "
-                "of damaged data; repair the file, or give workers more memory (on a cluster, see "
-                "that each of its machines has Pad Studio installed)",
-                "detail": {},
-            },
-        )
-    except (asyncio.CancelledError, concurrent.futures.CancelledError):
-        return Outcome("lost")
     except Exception as error:
-        if future.status == "error":
-            logger.exception("a task brought a defect to light")
-            message = f"a defect of the program: {error!r}"
-            return Outcome(
-                "crashed", error={"code": "internal_error", "message": message, "detail": {}}
-            )
-        return Outcome("lost")
-    if kind == "refused":
-        return Outcome("refused", error=value)
-    return Outcome("value" if kind == "value" else "lost", value=value)
+        known = known_fault(error)
+        if known is not None:
+            return "refused", error_dict(known)
+        logger.exception("a task brought a defect to light")
+        return "crashed", _defect(error)
+
+
+def outcome(kind: Kind, value: Any) -> Outcome:
+    """What `perform` gave."""
+    return Outcome(kind, value) if kind == "value" else Outcome(kind, error=value)
+
+
+def crashed(error: Exception | None = None) -> Outcome:
+    """Of a task that cost a worker its life, or met a defect outside of the task."""
+    if error is not None:
+        return Outcome("crashed", error=_defect(error))
+    return Outcome(
+        "crashed",
+        error={
+            "code": "worker_crashed",
+            "message": "the process that worked on it died, most likely for lack of memory or "
+            "of damaged data; repair the file, or give workers more memory (on a cluster, see "
+            "that each of its machines has Pad Studio installed)",
+            "detail": {},
+        },
+    )
+
+
+def _defect(error: Exception) -> dict[str, Any]:
+    message = f"a defect of the program: {error!r}"
+    return {"code": "internal_error", "message": message, "detail": {}}
 
 
 def error_dict(error: StudioError) -> dict[str, Any]:

@@ -8,8 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from padstudio.errors import StudioError
-from padstudio.flights.cluster.engine import EngineOptions, security_of
-from padstudio.flights.cluster.task import configure
+from padstudio.flights.cluster.engine import Cluster, configure, security_of
 
 _CONNECT_S = 30
 
@@ -21,13 +20,18 @@ class ClusterError(StudioError):
     exit_code = 2
 
 
-def lend_workers(options: EngineOptions, *, joined: Callable[[int], None]) -> None:
+def lend_workers(
+    cluster: Cluster, workers: int, memory_bytes: int, *, joined: Callable[[int], None]
+) -> None:
     """Work for a scheduler until it ends or the process is interrupted.
 
     Parameters
     ----------
-    options : EngineOptions
-        With a scheduler.
+    cluster : Cluster
+    workers : int
+        Processes.
+    memory_bytes : int
+        What each of them may take before it is ended.
     joined : callable
         Called with the number of processes once all have joined.
 
@@ -38,17 +42,19 @@ def lend_workers(options: EngineOptions, *, joined: Callable[[int], None]) -> No
     """
     configure()
     logging.getLogger("distributed").setLevel(logging.ERROR)
-    asyncio.run(_lend(options, joined))
+    asyncio.run(_lend(cluster, workers, memory_bytes, joined))
 
 
-async def _lend(options: EngineOptions, joined: Callable[[int], None]) -> None:
-    nannies = [_nanny(options) for _ in range(options.workers)]
+async def _lend(
+    cluster: Cluster, workers: int, memory_bytes: int, joined: Callable[[int], None]
+) -> None:
+    nannies = [_nanny(cluster, memory_bytes) for _ in range(workers)]
     try:
         try:
             await asyncio.wait_for(asyncio.gather(*nannies), _CONNECT_S)
         except (OSError, TimeoutError, RuntimeError) as error:
             raise ClusterError(
-                f"no scheduler answers at {options.scheduler}: check the address, that dask "
+                f"no scheduler answers at {cluster.scheduler}: check the address, that dask "
                 f"scheduler runs there, and the certificates ({error or 'time is over'})"
             ) from error
         joined(len(nannies))
@@ -58,13 +64,13 @@ async def _lend(options: EngineOptions, joined: Callable[[int], None]) -> None:
         await asyncio.gather(*(nanny.close(timeout=5) for nanny in nannies), return_exceptions=True)
 
 
-def _nanny(options: EngineOptions) -> Any:
+def _nanny(cluster: Cluster, memory_bytes: int) -> Any:
     from distributed import Nanny
 
     return Nanny(
-        options.scheduler,
+        cluster.scheduler,
         nthreads=1,
-        memory_limit=options.worker_memory_bytes,
-        security=security_of(options),
+        memory_limit=memory_bytes,
+        security=security_of(cluster),
         dashboard=False,
     )

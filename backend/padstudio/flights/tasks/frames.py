@@ -65,7 +65,9 @@ class VideoPart:
         """The presentation timestamps."""
         return [int(value) for value in np.frombuffer(self.pts, "<i8")]
 
-    def read(self, max_pixels: int) -> Iterator[VideoPicture]:
+    def read(
+        self, max_pixels: int, pause: Callable[[], object] = lambda: None
+    ) -> Iterator[VideoPicture]:
         """As `padstudio.media.video_frames.read_frames`."""
         return read_frames(
             self.url,
@@ -73,6 +75,7 @@ class VideoPart:
             rotation_deg=self.rotation_deg,
             is_counted=self.is_counted,
             max_pixels=max_pixels,
+            pause=pause,
         )
 
 
@@ -119,7 +122,7 @@ class FramesTask:
         Parameters
         ----------
         stopped : callable
-            Asked before every frame; the task ends where it says so.
+            Asked between frames; the task ends where it says so.
 
         Raises
         ------
@@ -127,23 +130,30 @@ class FramesTask:
         StudioError
             If the file as a whole cannot be read.
         """
+        threads = cv2.getNumThreads()
         # A worker is one process for one core.
         cv2.setNumThreads(1)
+        try:
+            return list(self._records(stopped))
+        finally:
+            cv2.setNumThreads(threads)
+
+    def _records(self, stopped: Callable[[], bool]) -> Iterator[Record]:
         detector = detector_for(self.recipe)
         found = (
-            self._video(detector, self.part)
+            self._video(detector, self.part.read(self.max_pixels, stopped), self.part)
             if isinstance(self.part, VideoPart)
             else self._stills(detector, self.part)
         )
-        records = []
         for place, record in enumerate(found):
             if stopped():
                 raise TaskStoppedError
-            records.append(record | {"frame": self.first_frame + place * self.stride})
-        return records
+            yield record | {"frame": self.first_frame + place * self.stride}
 
-    def _video(self, detector: Detector, part: VideoPart) -> Iterator[Record]:
-        for picture, found in _track(detector, part.read(self.max_pixels)):
+    def _video(
+        self, detector: Detector, pictures: Iterator[VideoPicture], part: VideoPart
+    ) -> Iterator[Record]:
+        for picture, found in _track(detector, pictures):
             record = found if isinstance(found, dict) else _record(found, part.name)
             time_s = part.start_s + (picture.pts - part.start_pts) * part.time_base_s
             record |= {"source": part.name, "time_s": time_s}

@@ -106,7 +106,7 @@ class PlanTask:
                 if file.kind == "telemetry":
                     found = telemetry.read(file.url)
                     continue
-                entry, index = self._look(file)
+                entry, index = self._look(file, stopped)
             except StudioError as error:
                 raise StudioError(
                     f"{file.name}: {error.message}", code=error.error_code, detail=error.detail
@@ -126,13 +126,17 @@ class PlanTask:
             )
         return Plan(sources, chunks, telemetry.to_dict(found) if found else None)
 
-    def _look(self, file: SourceFile) -> tuple[dict[str, Any], VideoIndex | None]:
+    def _look(
+        self, file: SourceFile, stopped: Callable[[], bool]
+    ) -> tuple[dict[str, Any], VideoIndex | None]:
         if file.kind == "still":
             return {"frames": 1}, None
         if file.kind == "stills":
             members = list_members(file.url)
             return {"frames": len(members), "members": members}, None
-        index = read_index(file.url, max_pixels=self.max_pixels, max_frames=self.max_frames)
+        index = read_index(
+            file.url, max_pixels=self.max_pixels, max_frames=self.max_frames, pause=stopped
+        )
         rotation = self._rotation(index.info)
         return {
             "frames": index.info.frames,

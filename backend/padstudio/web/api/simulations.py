@@ -79,7 +79,7 @@ async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Respon
     )
 
     async def work(job: SimulationJob) -> None:
-        await shared.run(
+        await shared.work(
             simulated_flights.simulate_flight,
             *(spec.model_dump(), pad, camera, job.video, job.folder),
             timeout_s=settings.simulate_flight_seconds,

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from padstudio.flights.cluster.engine import EngineOptions
+from padstudio.flights.cluster.engine import Cluster, ClusterEngine
+from padstudio.flights.cluster.local import LocalEngine
+from padstudio.flights.cluster.task import Engine
 from padstudio.flights.desk import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store
 from padstudio.web.server.settings import Settings
+from padstudio.workers.pool import WorkerPool
 
 
-def open_desk(settings: Settings, store: Store) -> FlightDesk:
+def open_desk(settings: Settings, store: Store, pool: WorkerPool) -> FlightDesk:
     """The desk of a server; nothing runs before `FlightDesk.start`.
 
     Raises
@@ -21,14 +24,7 @@ def open_desk(settings: Settings, store: Store) -> FlightDesk:
     return FlightDesk(
         store.session,
         store.uploads,
-        EngineOptions(
-            scheduler=settings.scheduler,
-            tls_ca=settings.scheduler_ca,
-            tls_cert=settings.scheduler_cert,
-            tls_key=settings.scheduler_key,
-            workers=settings.workers,
-            worker_memory_bytes=settings.worker_memory_bytes,
-        ),
+        _engine(settings, pool),
         WorkLimits(
             max_pixels=settings.max_image_pixels,
             max_frames=settings.max_frames,
@@ -39,4 +35,18 @@ def open_desk(settings: Settings, store: Store) -> FlightDesk:
         keep_picture_bytes=settings.keep_picture_bytes,
         max_open=settings.max_flights,
         attempts=settings.chunk_attempts,
+    )
+
+
+def _engine(settings: Settings, pool: WorkerPool) -> Engine:
+    """The cluster's workers where there is a scheduler, else the server's own."""
+    if settings.scheduler is None:
+        return LocalEngine(pool)
+    return ClusterEngine(
+        Cluster(
+            scheduler=settings.scheduler,
+            tls_ca=settings.scheduler_ca,
+            tls_cert=settings.scheduler_cert,
+            tls_key=settings.scheduler_key,
+        )
     )
