@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from measure_print import edge_errors_mm, make_pad, pages
+from measure_print import document, edge_errors_mm, make_pad, pages
 
 import padstudio
 from padstudio.pad.layout import layout
@@ -33,7 +33,6 @@ from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.render import documents
 from padstudio.render.painters import raster
 from padstudio.render.painters.options import PrintOptions
-from padstudio.render.pdf.page import paint_pdf
 
 MOST_MM = 0.05
 A4 = PrintOptions(sheets=SheetOptions(paper="A4"))
@@ -83,7 +82,7 @@ def edges(dpi: float) -> dict[str, Any]:
     pad = make_pad(125, 125)
     page = layout(pad)
     with tempfile.TemporaryDirectory() as folder:
-        (image,) = pages(paint_pdf(pad), Path(folder), dpi)
+        (image,) = pages(document(pad, "pdf"), Path(folder), dpi)
     errors = np.abs(edge_errors_mm(image, page, dpi / 25.4))
     own = np.abs(edge_errors_mm(raster.paint(pad, dpi / 25.4), page, dpi / 25.4))
     return {

@@ -7,13 +7,10 @@ import zlib
 
 import numpy as np
 import pytest
-from measure_print import make_pad
+from measure_print import document, make_pad
 
 from padstudio.pad.layout import layout
 from padstudio.pad.spec import Pad
-from padstudio.render.painters.dxf import paint_dxf
-from padstudio.render.painters.svg import paint_svg
-from padstudio.render.pdf.page import paint_pdf
 
 # Far below the 0.01 mm that painters must agree to.
 MOST_MM = 1e-3
@@ -27,7 +24,7 @@ def pad(request: pytest.FixtureRequest) -> Pad:
 def test_svg(pad: Pad) -> None:
     page = layout(pad)
     # The first path is the page, the first box of the second the base inside the outer cells.
-    boxes = re.findall(r"M([\d.]+) ([\d.]+)H([\d.]+)V([\d.]+)", paint_svg(pad))[2:]
+    boxes = re.findall(r"M([\d.]+) ([\d.]+)H([\d.]+)V([\d.]+)", document(pad, "svg").decode())[2:]
     x = [float(value) for x0, _, x1, _ in boxes for value in (x0, x1)]
     y = [float(value) for _, y0, _, y1 in boxes for value in (y0, y1)]
     assert off(x, page.x_mm) < MOST_MM
@@ -36,7 +33,7 @@ def test_svg(pad: Pad) -> None:
 
 def test_dxf(pad: Pad) -> None:
     page = layout(pad)
-    text = paint_dxf(pad).split("SEQEND", 1)[1]
+    text = document(pad, "dxf").decode().split("SEQEND", 1)[1]
     points = re.findall(r"VERTEX\n8\n\w+\n10\n([\d.]+)\n20\n([\d.]+)\n", text)
     assert off([float(x) for x, _ in points], page.x_mm) < MOST_MM
     assert off([page.page_height_mm - float(y) for _, y in points], page.y_mm) < MOST_MM
@@ -44,7 +41,7 @@ def test_dxf(pad: Pad) -> None:
 
 def test_pdf(pad: Pad) -> None:
     page = layout(pad)
-    data = paint_pdf(pad)
+    data = document(pad, "pdf")
     form = next(part for part in data.split(b"stream\n")[1:] if part[:1] == b"\x78")
     content = zlib.decompressobj().decompress(form).decode()
     boxes = np.array(re.findall(r"(\S+) (\S+) (\S+) (\S+) re", content)[1:], float)

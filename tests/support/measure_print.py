@@ -13,6 +13,8 @@ from padstudio.arrays import Array
 from padstudio.pad.layout import Layout
 from padstudio.pad.sheets.tiling import Sheet, SheetPlan
 from padstudio.pad.spec import Layer, Pad
+from padstudio.render import documents
+from padstudio.render.painters.options import PrintOptions
 
 
 def make_pad(
@@ -26,6 +28,12 @@ def make_pad(
         coarse = rng.integers(0, levels, (rows // ratio, cols // ratio)).astype(np.uint8)
         layers.append(Layer("blue", cell_mm * ratio, coarse))
     return Pad(tuple(layers), window=3, **options)  # type: ignore[arg-type]
+
+
+def document(pad: Pad, form: documents.Form, **options: object) -> bytes:
+    """A pad in some form, without its label."""
+    asked = PrintOptions(qr=False, **options)  # type: ignore[arg-type]
+    return b"".join(documents.make(pad, form, asked)[0])
 
 
 def pages(pdf: bytes, folder: Path, dpi: float) -> list[NDArray[np.uint8]]:

@@ -4,37 +4,12 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import re
-from dataclasses import dataclass
 from typing import Any
 
-from padstudio.errors import PadFormatError
-from padstudio.pad.spec import Channel, Pad
+from padstudio.pad.spec import Pad
 
 _PREFIX = "padstudio:1"
 _OPTIONAL = ("seed", "method", "unique", "distance")
-_LAYER = re.compile(r"(\d+)x(\d+)x(\d+(?:\.\d+)?)")
-
-
-@dataclass(frozen=True)
-class PadLabel:
-    """What a pad's QR code says.
-
-    Attributes
-    ----------
-    pad_id : str
-    window, levels : int
-    quiet_mm : float
-    seed : int or None
-    layers : dict of channel to (rows, cols, cell_mm)
-    """
-
-    pad_id: str
-    window: int
-    levels: int
-    quiet_mm: float
-    seed: int | None
-    layers: dict[Channel, tuple[int, int, float]]
 
 
 def pad_id(pad: Pad) -> str:
@@ -59,38 +34,6 @@ def label_text(pad: Pad) -> str:
         f"{layer.channel}={layer.rows}x{layer.cols}x{layer.cell_mm:.6g}" for layer in pad.layers
     ]
     return ";".join(words)
-
-
-def parse_label(text: str) -> PadLabel:
-    """What a pad's QR code says.
-
-    Raises
-    ------
-    PadFormatError
-        If the text is not of a pad's QR code.
-    """
-    prefix, *words = text.strip().split(";")
-    fields = dict(word.partition("=")[::2] for word in words)
-    try:
-        if prefix != _PREFIX:
-            raise ValueError
-        layers: dict[Channel, tuple[int, int, float]] = {}
-        for channel in ("red", "green", "blue"):
-            if channel in fields:
-                found = _LAYER.fullmatch(fields[channel])
-                if found is None:
-                    raise ValueError
-                layers[channel] = (int(found[1]), int(found[2]), float(found[3]))
-        return PadLabel(
-            pad_id=fields["id"],
-            window=int(fields["b"]),
-            levels=int(fields["y"]),
-            quiet_mm=float(fields["q"]),
-            seed=int(fields["s"]) if "s" in fields else None,
-            layers=layers,
-        )
-    except (KeyError, ValueError) as error:
-        raise PadFormatError("the QR code is not one of a Pad Studio pad") from error
 
 
 def describe(pad: Pad) -> dict[str, Any]:

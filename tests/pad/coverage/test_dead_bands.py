@@ -1,14 +1,11 @@
 """Heights between those that read, by geometry."""
 
-import math
-
 import numpy as np
 import pytest
 
-from padstudio.errors import SpecError
-from padstudio.pad.coverage.dead_bands import covered_share, dead_bands
+from padstudio.pad.coverage.dead_bands import dead_bands
 from padstudio.pad.coverage.pinhole import View
-from padstudio.pad.coverage.spans import ReadLimits, Span, coverage
+from padstudio.pad.coverage.spans import ReadLimits, coverage
 from padstudio.pad.spec import Layer, Pad
 
 PAPER_VIEW = View(width_px=2720, height_px=1530, focal_px=1886.0)
@@ -47,17 +44,3 @@ def test_a_dead_band_below_the_whole_sign():
     assert (band.low_mm, band.high_mm) == (red.high_mm, sign.low_mm)
     assert "the sign as a whole" in band.message
     assert dead_bands(large, PAPER_VIEW, ReadLimits(cell_px=4.0)) == ()
-
-
-def test_covered_share_counts_ratios_of_height():
-    spans = (
-        Span(layer="red", tilt_deg=0, low_mm=10, high_mm=100),
-        Span(layer="blue", tilt_deg=0, low_mm=1000, high_mm=5000),
-    )
-    assert covered_share(spans, 10, 10_000) == pytest.approx((1 + math.log10(5)) / 3)
-    assert covered_share(spans[:1], 10, 100) == pytest.approx(1.0)
-
-
-def test_refuses_what_is_no_range():
-    with pytest.raises(SpecError, match="no range"):
-        covered_share((), 5.0, 5.0)

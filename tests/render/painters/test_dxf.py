@@ -4,10 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from measure_print import make_pad
+from measure_print import document, make_pad
 
 from padstudio.pad.layout import layout
-from padstudio.render.painters.dxf import paint_dxf
 
 Points = list[tuple[float, float]]
 
@@ -16,7 +15,7 @@ Points = list[tuple[float, float]]
 def test_regions_cover_each_colour_and_no_more(options: dict[str, float]) -> None:
     pad = make_pad(quiet_mm=4.5, **options)  # type: ignore[arg-type]
     page = layout(pad)
-    drawing = _read(paint_dxf(pad))
+    drawing = _read(document(pad, "dxf").decode())
     sheet = drawing.pop("SHEET")
     w, h = page.page_width_mm, page.page_height_mm
     assert sheet == [[(0, 0), (w, 0), (w, h), (0, h)]]
@@ -33,7 +32,7 @@ def test_outlines_run_along_cell_edges_from_the_bottom_left() -> None:
     page = layout(pad)
     x_edges = page.x_mm
     y_edges = page.page_height_mm - page.y_mm
-    for outlines in _read(paint_dxf(pad)).values():
+    for outlines in _read(document(pad, "dxf").decode()).values():
         for x, y in outlines[0]:
             on_page = x in (0, page.page_width_mm) and y in (0, page.page_height_mm)
             assert on_page or (
@@ -42,7 +41,7 @@ def test_outlines_run_along_cell_edges_from_the_bottom_left() -> None:
 
 
 def test_drawing_declares_millimetres_and_its_layers() -> None:
-    text = paint_dxf(make_pad())
+    text = document(make_pad(), "dxf").decode()
     assert "$INSUNITS\n70\n4\n" in text
     for name in ("SHEET", "000000", "FF0000", "0000FF", "FF00FF"):
         assert f"0\nLAYER\n2\n{name}\n" in text

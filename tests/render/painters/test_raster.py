@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from measure_print import edge_errors_mm, make_pad
+from measure_print import document, edge_errors_mm, make_pad
 from PIL import Image
 
 from padstudio.errors import LimitError, SpecError
@@ -58,7 +58,7 @@ def test_bands_join_seamlessly(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("dpi", [25.4, 72, 96, 150, 300])
 def test_png_knows_its_size(dpi: float) -> None:
     pad = make_pad(quiet_mm=5.0)
-    data = raster.paint_png(pad, dpi=dpi)
+    data = document(pad, "png", dpi=dpi)
     place = data.index(b"pHYs")
     x, y, unit = struct.unpack(">IIB", data[place + 4 : place + 13])
     assert (x, y, unit) == (round(dpi / 0.0254), round(dpi / 0.0254), 1)
@@ -83,7 +83,7 @@ def test_bad_resolution_is_refused(value: float) -> None:
     with pytest.raises(SpecError, match="resolution"):
         raster.paint(make_pad(), value)
     with pytest.raises(SpecError, match="resolution"):
-        raster.paint_png(make_pad(), dpi=value)
+        document(make_pad(), "png", dpi=value)
 
 
 def test_too_many_pixels_are_refused() -> None:

@@ -5,10 +5,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from measure_print import make_pad
+from measure_print import document, make_pad
 
 from padstudio.pad.layout import layout
-from padstudio.render.painters.svg import paint_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -17,7 +16,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 def test_boxes_paint_every_patch_in_its_colour(options: dict[str, float]) -> None:
     pad = make_pad(quiet_mm=4.5, **options)  # type: ignore[arg-type]
     page = layout(pad)
-    root = ElementTree.fromstring(paint_svg(pad))
+    root = ElementTree.fromstring(document(pad, "svg").decode())
     assert root.get("width") == f"{page.page_width_mm:g}mm"
     assert root.get("height") == f"{page.page_height_mm:g}mm"
     assert root.get("shape-rendering") == "crispEdges"
@@ -34,7 +33,7 @@ def test_boxes_paint_every_patch_in_its_colour(options: dict[str, float]) -> Non
 
 def test_name_is_text_not_markup() -> None:
     pad = make_pad(name='<script>&"\x00 🚁 עברית')
-    root = ElementTree.fromstring(paint_svg(pad))
+    root = ElementTree.fromstring(document(pad, "svg").decode())
     assert root.findtext(f"{SVG}title") == '<script>&" 🚁 עברית'
 
 

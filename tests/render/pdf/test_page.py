@@ -6,19 +6,18 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from measure_print import edge_errors_mm, make_pad, pages, pdf_info
+from measure_print import document, edge_errors_mm, make_pad, pages, pdf_info
 from numpy.typing import NDArray
 
 from padstudio.pad.identity import describe
 from padstudio.pad.layout import layout
 from padstudio.render.painters import raster
-from padstudio.render.pdf.page import paint_pdf
 
 
 @pytest.mark.parametrize(("dpi", "most_mm"), [(72, 0.09), (150, 0.05), (203.2, 0.05)])
 def test_cell_edges_are_where_the_layout_says(dpi: float, most_mm: float, tmp_path: Path) -> None:
     pad = make_pad(30, 40, quiet_mm=7.3)
-    (image,) = pages(paint_pdf(pad), tmp_path, dpi)
+    (image,) = pages(document(pad, "pdf"), tmp_path, dpi)
     errors = edge_errors_mm(image, layout(pad), dpi / 25.4)
     assert len(errors) > 1200
     assert np.abs(errors).max() < most_mm
@@ -29,7 +28,7 @@ def test_cell_edges_are_where_the_layout_says(dpi: float, most_mm: float, tmp_pa
 def test_no_seam_shows_between_cells(levels: int, dpi: float, tmp_path: Path) -> None:
     """Every pixel lies between the extreme colours of the cells that it touches."""
     pad = make_pad(20, 25, levels=levels, quiet_mm=5.3)
-    (image,) = pages(paint_pdf(pad), tmp_path, dpi)
+    (image,) = pages(document(pad, "pdf"), tmp_path, dpi)
     fine = raster.paint(pad, dpi / 25.4 * 8)
     # Poppler paints edges to a quarter of a pixel.
     quarter = np.ones((5, 5), np.uint8)
@@ -51,7 +50,7 @@ def _per_pixel(fine: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 def test_page_has_the_pads_size_and_metadata(tmp_path: Path) -> None:
     pad = make_pad(seed=42, name="Hof 3 🚁", quiet_mm=10.0)
-    data = paint_pdf(pad)
+    data = document(pad, "pdf")
     info = pdf_info(data, tmp_path)
     assert "Hof 3 🚁" in info
     keywords = next(line for line in info.splitlines() if line.startswith("Keywords:"))
@@ -65,12 +64,12 @@ def test_page_has_the_pads_size_and_metadata(tmp_path: Path) -> None:
 
 
 def test_equal_pads_give_equal_files() -> None:
-    assert paint_pdf(make_pad()) == paint_pdf(make_pad())
+    assert document(make_pad(), "pdf") == document(make_pad(), "pdf")
 
 
 def test_inks_are_cmyk_on_request(tmp_path: Path) -> None:
     pad = make_pad(15, 15)
-    (image,) = pages(paint_pdf(pad, ink="cmyk"), tmp_path, 25.4)
+    (image,) = pages(document(pad, "pdf", ink="cmyk"), tmp_path, 25.4)
     page = layout(pad)
     for row, col in np.ndindex(page.colors.shape[:2]):
         printed = image[row * 10 + 5, col * 10 + 5].astype(int)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from padstudio.pad.coding.generate import generate_field
-from padstudio.pad.coding.search.beam_search import crowd_field
+from padstudio.pad.coding.search.beam_search import beam_field
 from padstudio.pad.coding.search.spec import FieldSpec, Watch
 
 
 def warm_up() -> None:
-    """Generate and prove small fields by rows, by a crowd and by growth at random."""
+    """Generate and prove small fields by rows, by a beam and by growth at random."""
     generate_field(FieldSpec(rows=12, cols=12))
-    crowd_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1, 1)
+    beam_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1, 1)
     generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))

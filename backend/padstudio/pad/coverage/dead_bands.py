@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
-from padstudio.errors import SpecError
 from padstudio.pad.coverage.pinhole import View
 from padstudio.pad.coverage.spans import ReadLimits, Span, cells_needed, coverage
 from padstudio.pad.spec import Pad
@@ -83,17 +80,3 @@ def _message(pad: Pad, view: View, limits: ReadLimits, low_mm: float, above: Spa
         f"{head}the picture holds {seen:.1f} {above.layer} cells across, not {need:.1f}; use a "
         "smaller ratio of the layers, or a method that reads the finer layer higher up"
     )
-
-
-def covered_share(spans: Sequence[Span], low_mm: float, high_mm: float) -> float:
-    """Share of a height range, in ratios of height, at which some span reads."""
-    if not 0 < low_mm < high_mm:
-        raise SpecError(f"heights {low_mm:g} … {high_mm:g} mm are no range above 0")
-    edges = {low_mm, high_mm}
-    for span in spans:
-        edges |= {min(max(edge, low_mm), high_mm) for edge in (span.low_mm, span.high_mm)}
-    total = 0.0
-    for a, b in pairwise(sorted(edges)):
-        if any(span.low_mm <= a and b <= span.high_mm for span in spans):
-            total += math.log(b / a)
-    return total / math.log(high_mm / low_mm)

@@ -27,7 +27,7 @@ _SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*[x×]\s*(\d+(?:\.\d+)?)(?:\s*mm)?", re.IG
 
 @dataclass(frozen=True)
 class Paper:
-    """A sheet as it lies in the printer.
+    """A size of sheets, as they lie in the printer.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Paper:
         return "portrait" if self.width_mm <= self.height_mm else "landscape"
 
     def turned(self) -> Paper:
-        """The same sheet turned by a quarter."""
+        """The same sheets turned by a quarter."""
         return Paper(self.name, self.height_mm, self.width_mm)
 
 

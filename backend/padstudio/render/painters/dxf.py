@@ -25,11 +25,6 @@ _INDEX_COLORS = {
 _SHEET = "SHEET"
 
 
-def paint_dxf(pad: Pad) -> str:
-    """The pad as DXF text; see `iter_dxf`."""
-    return "".join(iter_dxf(pad))
-
-
 def iter_dxf(pad: Pad) -> Iterator[str]:
     """The parts of a DXF drawing (release 12, ASCII) of a pad.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import struct
 import zlib
 from collections.abc import Iterator
@@ -53,13 +52,6 @@ def paint(pad: Pad, px_per_mm: float) -> Image:
         out[top : top + len(band)] = band
         top += len(band)
     return out
-
-
-def paint_png(pad: Pad, *, dpi: float) -> bytes:
-    """The pad as a PNG file of the given resolution; see `write_png`."""
-    out = io.BytesIO()
-    write_png(pad, out, dpi=dpi)
-    return out.getvalue()
 
 
 def write_png(pad: Pad, out: BinaryIO, *, dpi: float) -> None:

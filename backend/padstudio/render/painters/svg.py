@@ -10,13 +10,8 @@ from padstudio.pad.spec import Pad
 from padstudio.render.painters.rectangles import iter_shapes
 
 
-def paint_svg(pad: Pad) -> str:
-    """The pad, quiet margin included, as SVG text of its nominal size in mm."""
-    return "".join(iter_svg(pad))
-
-
 def iter_svg(pad: Pad) -> Iterator[str]:
-    """The parts of `paint_svg`, one a colour."""
+    """The parts of an SVG of a pad, quiet margin included, of its nominal size: one a colour."""
     page = layout(pad)
     width, height = _number(page.page_width_mm), _number(page.page_height_mm)
     yield (

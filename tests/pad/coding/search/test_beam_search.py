@@ -1,4 +1,4 @@
-"""A crowd of boards: its judgement against a count by hand, and its fields against the truth."""
+"""A beam of boards: its judgement against a count by hand, and its fields against the truth."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 from windows import all_differ
 
 from padstudio.pad.coding.search.beam_search import (
-    can_crowd,
+    beam_field,
     columns,
-    crowd_field,
+    fits_beam,
     openness,
 )
 from padstudio.pad.coding.search.board import Costs, board, take_symmetric
@@ -36,17 +36,17 @@ def test_openness_counts_the_ways_on_from_every_open_window() -> None:
     assert openness(made.taken, made.free, *columns(2, 3)) == ways
 
 
-def test_a_crowd_fills_fields_as_asked() -> None:
+def test_a_beam_fills_fields_as_asked() -> None:
     spec = FieldSpec(rows=60, cols=40, window=4, distance=1)
-    reached, field = crowd_field(spec, Watch(60), 2, 1)
+    reached, field = beam_field(spec, Watch(60), 2, 1)
     assert reached == 60
     assert all_differ(field, 4, rotation=True)
 
 
-def test_a_crowd_that_dies_out_hands_back_how_far_it_came() -> None:
+def test_a_beam_that_dies_out_hands_back_how_far_it_came() -> None:
     spec = FieldSpec(rows=200, cols=60, window=4, distance=1, seed=3)
-    reached, field = crowd_field(spec, Watch(60), 1, 1)
-    again, same = crowd_field(spec, Watch(60), 1, 1)
+    reached, field = beam_field(spec, Watch(60), 1, 1)
+    again, same = beam_field(spec, Watch(60), 1, 1)
     assert 60 < reached < 200
     assert reached == again
     assert np.array_equal(field, same)
@@ -54,11 +54,11 @@ def test_a_crowd_that_dies_out_hands_back_how_far_it_came() -> None:
 
 
 def test_a_spent_watch_ends_it() -> None:
-    reached, _ = crowd_field(FieldSpec(rows=60, cols=40, window=4, distance=1), Watch(-1), 2, 1)
+    reached, _ = beam_field(FieldSpec(rows=60, cols=40, window=4, distance=1), Watch(-1), 2, 1)
     assert reached == 3
 
 
-def test_only_small_boards_are_crowded() -> None:
-    assert can_crowd(FieldSpec(rows=100, cols=100, window=4, distance=1))
-    assert not can_crowd(FieldSpec(rows=100, cols=100))
-    assert not can_crowd(FieldSpec(rows=10, cols=600, window=4, distance=1))
+def test_only_small_boards_are_kept_many() -> None:
+    assert fits_beam(FieldSpec(rows=100, cols=100, window=4, distance=1))
+    assert not fits_beam(FieldSpec(rows=100, cols=100))
+    assert not fits_beam(FieldSpec(rows=10, cols=600, window=4, distance=1))

@@ -1,4 +1,4 @@
-"""The search over a table: rows first, a crowd where they fail, the largest part at the end."""
+"""The search over a table: rows first, a beam where they fail, the largest part at the end."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from padstudio.pad.coding.search import table_search
 from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
 
 
-def test_a_crowd_takes_over_where_rows_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_beam_takes_over_where_rows_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(table_search, "_ROUNDS", 0)
     monkeypatch.setattr(table_search, "_WIDTH", 4)
     spec = FieldSpec(rows=90, cols=90, window=4, distance=1)
@@ -24,7 +24,7 @@ def test_a_crowd_takes_over_where_rows_fail(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_where_time_ends_the_largest_part_is_handed_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    # A clock that goes on by 0.1 s at each look: enough for rows and a part of a crowd.
+    # A clock that goes on by 0.1 s at each look: enough for rows and a part of a beam.
     clock = itertools.count()
     monkeypatch.setattr("padstudio.pad.coding.search.spec.monotonic", lambda: 0.1 * next(clock))
     monkeypatch.setattr(table_search, "_ROUNDS", 5)

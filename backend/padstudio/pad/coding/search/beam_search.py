@@ -1,11 +1,11 @@
-"""Search over the rows of many boards at once, for fields close to the bound.
+"""Beam search over the rows of many boards at once, for fields close to the bound.
 
-A single board (see `rows`) dead-ends where the windows left over no longer join up, and taking a
-few rows back does not mend what many rows above have spoilt. So a crowd of boards is filled row by
-row; every board has several children that differ in their random costs, and those live on whose
-open windows join up best (beam search: Lowerre, "The HARPY speech recognition system", thesis,
-Carnegie Mellon University, 1976). A board is judged by the number of ways to go on from an open
-window: to the right, times down, summed over all open windows.
+A single board (see `row_search`) dead-ends where the windows left over no longer join up, and
+taking a few rows back does not mend what many rows above have spoilt. So many boards, the beam, are
+filled row by row; every board has several children that differ in their random costs, and those
+live on whose open windows join up best (beam search: Lowerre, "The HARPY speech recognition
+system", thesis, Carnegie Mellon University, 1976). A board is judged by the number of ways to go on
+from an open window: to the right, times down, summed over all open windows.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ _MAX_CODES = 2**20
 _MAX_COLS = 500
 _CHILDREN = 3
 # With few windows, every board is much like the others in what it could spare: chance alone, in
-# many small crowds, was measured to reach the bound soonest.
+# many narrow beams, was measured to reach the bound soonest.
 _FEW_CODES = 2**12
 
 
-def can_crowd(spec: FieldSpec) -> bool:
+def fits_beam(spec: FieldSpec) -> bool:
     """Whether boards of a spec are small enough to keep many."""
     return spec.levels ** (spec.window**2) <= _MAX_CODES and spec.cols <= _MAX_COLS
 
 
-def crowd_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple[int, U8]:
-    """Fill rows until none of a crowd of ``width`` boards can be filled further.
+def beam_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple[int, U8]:
+    """Fill rows until none of the ``width`` boards of a beam can be filled further.
 
     Parameters
     ----------
@@ -63,24 +63,24 @@ def crowd_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple
     first = first._replace(state=random_state(spec.seed, stream))
     take_symmetric(first)
     left, right = columns(spec.window, spec.levels)
-    crowd = [_child(first) for _ in range(width)]
-    for member in crowd:
+    beam = [_child(first) for _ in range(width)]
+    for member in beam:
         for row in range(spec.window - 1):
             top_row(member, row)
     for row in range(spec.window - 1, spec.rows):
         born: list[tuple[int, Board]] = []
-        for member in crowd:
+        for member in beam:
             if watch.spent(row / spec.rows):
-                return row, crowd[0].field
+                return row, beam[0].field
             for _ in range(_CHILDREN):
                 child = _child(member)
                 if fill(child, row):
                     born.append((openness(child.taken, child.free, left, right), child))
         if not born:
-            return row, crowd[0].field
+            return row, beam[0].field
         born.sort(key=lambda scored: -scored[0])
-        crowd = [child for _, child in born[:width]]
-    return spec.rows, crowd[0].field
+        beam = [child for _, child in born[:width]]
+    return spec.rows, beam[0].field
 
 
 def _child(parent: Board) -> Board:

@@ -1,17 +1,17 @@
-"""Search a field over a table of all windows: row by row, and where that fails by a crowd."""
+"""Search a field over a table of all windows: row by row, and where that fails by a beam."""
 
 from __future__ import annotations
 
 from itertools import count
 
-from padstudio.pad.coding.search.beam_search import can_crowd, crowd_field
+from padstudio.pad.coding.search.beam_search import beam_field, fits_beam
 from padstudio.pad.coding.search.board import U8
 from padstudio.pad.coding.search.bounds import bounds
 from padstudio.pad.coding.search.row_search import RowSearch
 from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
 
-# Rounds of the search by rows before the first crowd, and boards of that; both double in turns.
-# Smaller tables are searched for fewer rounds, and by more crowds a turn.
+# Rounds of the search by rows before the first beam, and boards of that; both double each cycle.
+# Smaller tables are searched for fewer rounds, and by more beams a cycle.
 _ROUNDS, _LEAST_ROUNDS = 100, 10
 _WIDTH = 64
 _USUAL_CODES = 2**16
@@ -30,18 +30,18 @@ def search_field(spec: FieldSpec, watch: Watch) -> U8:
         Where the budget ends first, with the rows reached at best.
     """
     by_rows = RowSearch(spec)
-    crowded = can_crowd(spec) and bounds(spec).outlook == "long"
+    beamed = fits_beam(spec) and bounds(spec).outlook == "long"
     best, reached = by_rows.best, 0
     codes = spec.levels ** (spec.window**2)
     rounds = min(_ROUNDS, max(_LEAST_ROUNDS, _ROUNDS * codes // _USUAL_CODES))
-    crowds = max(1, _USUAL_CODES // codes)
-    for turn in count():
-        ended = by_rows.run(watch, rounds << turn)
+    beams = max(1, _USUAL_CODES // codes)
+    for cycle in count():
+        ended = by_rows.run(watch, rounds << cycle)
         if by_rows.reached > reached:
             best, reached = by_rows.best.copy(), by_rows.reached
-        for number in range(crowds if crowded and not ended else 0):
-            stream = 1 + turn * crowds + number
-            rows, field = crowd_field(spec, watch, _WIDTH << turn, stream)
+        for number in range(beams if beamed and not ended else 0):
+            stream = 1 + cycle * beams + number
+            rows, field = beam_field(spec, watch, _WIDTH << cycle, stream)
             if rows > reached:
                 best, reached = field, rows
             if reached == spec.rows or watch.spent(reached / spec.rows):
