@@ -114,7 +114,15 @@ def _write(
         target = place(body, time_s)
         if target is not None:
             time_us = start_us + round(time_s * 1e6)
-            message = _message(common, getattr(common, frame), pose, body, target, options, time_us)
+            fields = _angles(pose, body, options) | _position(target)
+            message = common.MAVLink_landing_target_message(
+                time_usec=time_us,
+                target_num=0,
+                frame=getattr(common, frame),
+                **fields,
+                type=common.LANDING_TARGET_TYPE_VISION_FIDUCIAL,
+                position_valid=1,
+            )
             yield packet(message, time_us)
 
 
@@ -124,33 +132,21 @@ def _header(common: Any, frame: str) -> Any:
     return common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, text)
 
 
-def _message(
-    common: Any,
-    frame: int,
-    pose: Pose,
-    body: Target,
-    target: Target,
-    options: ExportOptions,
-    time_us: int,
-) -> Any:
+def _angles(pose: Pose, body: Target, options: ExportOptions) -> dict[str, float]:
+    """Where the picture has the pad: positive to the right and down; and how large it is."""
     distance_m = float(np.linalg.norm(body.position_m))
-    # Angles are those of the picture: positive to the right and down.
     x, y, z = pose.tvec_mm
     width, height = options.pad_size_mm or (0.0, 0.0)
+    return {
+        "angle_x": math.atan2(x, z),
+        "angle_y": math.atan2(y, z),
+        "distance": distance_m,
+        "size_x": 2 * math.atan2(width / 2000, distance_m),
+        "size_y": 2 * math.atan2(height / 2000, distance_m),
+    }
+
+
+def _position(target: Target) -> dict[str, Any]:
+    x, y, z = target.position_m
     q = Pose(target.position_m, target.rotation).quaternion_xyzw
-    return common.MAVLink_landing_target_message(
-        time_usec=time_us,
-        target_num=0,
-        frame=frame,
-        angle_x=math.atan2(x, z),
-        angle_y=math.atan2(y, z),
-        distance=distance_m,
-        size_x=2 * math.atan2(width / 2000, distance_m),
-        size_y=2 * math.atan2(height / 2000, distance_m),
-        x=target.position_m[0],
-        y=target.position_m[1],
-        z=target.position_m[2],
-        q=[q[3], q[0], q[1], q[2]],
-        type=common.LANDING_TARGET_TYPE_VISION_FIDUCIAL,
-        position_valid=1,
-    )
+    return {"x": x, "y": y, "z": z, "q": [q[3], q[0], q[1], q[2]]}

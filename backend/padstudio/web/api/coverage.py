@@ -13,13 +13,14 @@ from padstudio.pad.coverage import advice
 from padstudio.pad.coverage import spans as coverage
 from padstudio.pad.coverage.dead_bands import DeadBand, dead_bands
 from padstudio.pad.coverage.pinhole import View
-from padstudio.pad.coverage.spans import METHOD_LIMITS, Method, Span
-from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW, Pad
+from padstudio.pad.coverage.spans import METHOD_LIMITS, Span
+from padstudio.pad.spec import Pad
 from padstudio.simulate.success_map import view_of
 from padstudio.store.store import Store
 from padstudio.web.api.cameras import camera_text
 from padstudio.web.schemas.planning import (
     AdviceInfo,
+    AdviceQuery,
     CoverageChart,
     CoverageRequest,
     DeadBandInfo,
@@ -33,9 +34,6 @@ from padstudio.workers import frames as simulating
 
 router = APIRouter(tags=["coverage"], responses=ERRORS)
 
-CameraId = Annotated[str, Query(max_length=64, examples=["preset-dji-mini-27k"])]
-Height = Annotated[float, Query(gt=0, le=1_000_000, examples=[500.0])]
-
 
 @router.get(
     "/pads/{pad_id}/coverage",
@@ -44,7 +42,7 @@ Height = Annotated[float, Query(gt=0, le=1_000_000, examples=[500.0])]
 )
 def get_pad_coverage(
     pad_id: ItemId,
-    camera: CameraId,
+    camera: Annotated[str, Query(max_length=64, examples=["preset-dji-mini-27k"])],
     shared: Shared,
     tilt_deg: Annotated[
         list[float], Query(min_length=1, max_length=200, description="May be given repeatedly.")
@@ -89,29 +87,17 @@ async def simulate_coverage(pad_id: ItemId, request: MapRequest, shared: Shared)
 
 
 @router.get("/advice", operation_id="getAdvice", summary="Sizes of a pad for a range of heights")
-def get_advice(
-    camera: CameraId,
-    low_mm: Height,
-    high_mm: Annotated[float, Query(gt=0, le=1_000_000, examples=[8000.0])],
-    shared: Shared,
-    method: Method = "dense",
-    window: Annotated[int, Query(ge=2, le=MAX_WINDOW)] = 5,
-    levels: Annotated[int, Query(ge=2, le=MAX_LEVELS)] = 2,
-    tilt_deg: Annotated[float, Query(ge=0, le=89, description="Largest lean.")] = 20.0,
-    reach_mm: Annotated[
-        float, Query(ge=0, le=1_000_000, description="Off the centre at the lowest height.")
-    ] = 200.0,
-) -> AdviceInfo:
+def get_advice(query: Annotated[AdviceQuery, Query()], shared: Shared) -> AdviceInfo:
     found = advice.advise(
-        _view(camera, shared.store),
-        advice.Envelope(low_mm, high_mm, tilt_deg, reach_mm),
-        window=window,
-        levels=levels,
-        limits=METHOD_LIMITS[method],
+        _view(query.camera, shared.store),
+        advice.Envelope(query.low_mm, query.high_mm, query.tilt_deg, query.reach_mm),
+        window=query.window,
+        levels=query.levels,
+        limits=METHOD_LIMITS[query.method],
     )
     return AdviceInfo(
-        window=window,
-        levels=levels,
+        window=query.window,
+        levels=query.levels,
         cell_mm=found.cell_mm,
         ratio=found.ratio,
         cells=found.cells,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, File, Form, Query, UploadFile
+from fastapi import APIRouter, Depends, File, Form, Query, UploadFile
 from fastapi import Path as PathParameter
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
@@ -34,29 +35,36 @@ _PICTURE: dict[int | str, dict[str, Any]] = {
 _FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
 
 
+@dataclass(frozen=True)
+class Wanted:
+    """The form's fields beside the picture: with what it is read, and how."""
+
+    pad: Annotated[str, Form(max_length=64, description="Id of a stored pad.")]
+    camera: Annotated[str, Form(max_length=64, description="Id of a camera or preset.")]
+    method: Annotated[Literal["dense", "paper"], Form()] = "dense"
+    unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True
+    trace: Annotated[bool, Form(description="Keep every stage, with pictures.")] = False
+
+
 @router.post("", operation_id="detectImage", summary="Find the pad in one picture")
 async def detect_image(
     shared: Shared,
     image: Annotated[UploadFile, File(description="JPEG, PNG, WebP, TIFF or BMP.")],
-    pad: Annotated[str, Form(max_length=64, description="Id of a stored pad.")],
-    camera: Annotated[str, Form(max_length=64, description="Id of a camera or preset.")],
-    method: Annotated[Literal["dense", "paper"], Form()] = "dense",
-    unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True,
-    trace: Annotated[bool, Form(description="Keep every stage, with pictures.")] = False,
+    wanted: Annotated[Wanted, Depends()],
 ) -> DetectionAnswer:
     settings, store = shared.settings, shared.store
     check_size(image.size, settings.max_upload_bytes, "picture")
-    stored_pad = await run_in_threadpool(store.pads.get, pad)
-    folder = await run_in_threadpool(store.folder.work_folder) if trace else None
+    stored_pad = await run_in_threadpool(store.pads.get, wanted.pad)
+    folder = await run_in_threadpool(store.folder.work_folder) if wanted.trace else None
     try:
         job = detection.Job(
             image=await image.read(),
             source=file_name(image, "picture"),
             pad=stored_pad.content or "",
-            camera=await run_in_threadpool(camera_text, store, camera),
-            method=method,
+            camera=await run_in_threadpool(camera_text, store, wanted.camera),
+            method=wanted.method,
             max_pixels=settings.max_image_pixels,
-            unmix=unmix,
+            unmix=wanted.unmix,
             pictures=folder,
         )
         answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)

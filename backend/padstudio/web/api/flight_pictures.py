@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi import Path as PathParameter
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse, Response
@@ -27,9 +28,6 @@ from padstudio.workers import detection
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
-Width = Annotated[
-    int | None, Query(ge=1, le=100_000, description="At least so wide is enough; for thumbnails.")
-]
 _MEDIA_TYPES = {"webp": "image/webp", "png": "image/png"}
 _KEPT = {"Cache-Control": "private, max-age=3600"}
 
@@ -60,6 +58,35 @@ async def get_frame_stages(flight_id: ItemId, number: FrameNumber, shared: Share
     )
 
 
+@dataclass(frozen=True)
+class Shown:
+    """Which picture of a frame."""
+
+    stage: Annotated[
+        str,
+        PathParameter(
+            pattern=r"^[a-z_]{1,30}$",
+            examples=["edges"],
+            description="A stage, `frame` for the frame itself, or `result`.",
+        ),
+    ]
+    kind: Literal["webp", "png"]
+    channel: Literal["red", "green", "blue"] | None = None
+    width: Annotated[
+        int | None,
+        Query(ge=1, le=100_000, description="At least so wide is enough; for thumbnails."),
+    ] = None
+
+    @property
+    def name(self) -> str:
+        """The picture's file."""
+        name = f"{self.stage}.{self.kind}"
+        if self.channel:
+            name = f"{self.channel}-{name}"
+        is_small = self.width is not None and self.width <= detection.THUMBNAIL_WIDTH_PX
+        return detection.THUMBNAIL_PREFIX + name if is_small else name
+
+
 @router.get(
     "/{flight_id}/frames/{number}/pictures/{stage}.{kind}",
     operation_id="getFramePicture",
@@ -70,24 +97,12 @@ async def get_frame_stages(flight_id: ItemId, number: FrameNumber, shared: Share
 async def get_frame_picture(
     flight_id: ItemId,
     number: FrameNumber,
-    stage: Annotated[
-        str,
-        PathParameter(
-            pattern=r"^[a-z_]{1,30}$",
-            examples=["edges"],
-            description="A stage, `frame` for the frame itself, or `result`.",
-        ),
-    ],
-    kind: Literal["webp", "png"],
+    shown: Annotated[Shown, Depends()],
     shared: Shared,
     request: Request,
-    channel: Literal["red", "green", "blue"] | None = None,
-    width: Width = None,
 ) -> Response:
     await run_in_threadpool(shared.flights.flights.get, flight_id)
-    name = f"{channel}-{stage}.{kind}" if channel else f"{stage}.{kind}"
-    if width is not None and width <= detection.THUMBNAIL_WIDTH_PX:
-        name = detection.THUMBNAIL_PREFIX + name
+    name, kind = shown.name, shown.kind
     # What is painted follows from these alone.
     identity = f"{__version__} {flight_id} {number} {name}"
     etag = f'"{hashlib.sha256(identity.encode()).hexdigest()[:32]}"'
@@ -98,7 +113,7 @@ async def get_frame_picture(
     path = shared.flights.pictures.path(_key(flight_id, number, kind), name)
     if path is None:
         raise NotFoundError(
-            f"the stage {stage} did not run in this frame, or left nothing to see; "
+            f"the stage {shown.stage} did not run in this frame, or left nothing to see; "
             f"/api/v1/flights/{flight_id}/frames/{number}/stages lists those that did",
             code="no_picture",
         )

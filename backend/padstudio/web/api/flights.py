@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path, Query, Request, Response
@@ -24,6 +24,7 @@ from padstudio.web.schemas.flights import (
     FlightSettings,
     FlightSummary,
     FramePage,
+    FrameQuery,
     FrameResult,
     NewFlight,
     TelemetryColumns,
@@ -33,6 +34,8 @@ from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
 FrameNumber = Annotated[int, Path(ge=0, le=2**31 - 1, examples=[412])]
+_FILTERS = {field.name for field in fields(FrameFilter)}
+# A flight's progress is looked up so often for those who watch it.
 _LOOK_EVERY_S = 0.5
 _DEFAULTS: dict[str, Any] = {
     "method": "dense",
@@ -131,38 +134,12 @@ async def watch_flight(flight_id: ItemId, shared: Shared, request: Request) -> E
 
 @router.get("/{flight_id}/frames", operation_id="listFrames", summary="Frames, page by page")
 def list_frames(
-    flight_id: ItemId,
-    shared: Shared,
-    status: Literal["ok", "failed"] | None = None,
-    reason: Annotated[str | None, Query(max_length=40)] = None,
-    stage: Annotated[str | None, Query(max_length=20)] = None,
-    layer: Annotated[str | None, Query(max_length=10)] = None,
-    from_s: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-    to_s: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-    min_height: Annotated[
-        float | None, Query(allow_inf_nan=False, description="Over the pad, mm.")
-    ] = None,
-    max_height: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-    after: Annotated[int | None, Query(ge=-1, le=2**31 - 1)] = None,
-    before: Annotated[
-        int | None,
-        Query(ge=0, le=2**31, description="Without `after`: the last frames below this number."),
-    ] = None,
-    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+    flight_id: ItemId, shared: Shared, query: Annotated[FrameQuery, Query()]
 ) -> FramePage:
-    wanted = FrameFilter(
-        status=status,
-        reason=reason,
-        stage=stage,
-        layer=layer,
-        from_s=from_s,
-        to_s=to_s,
-        min_height=min_height,
-        max_height=max_height,
-    )
     flight = shared.flights.flights.get(flight_id)
-    records = shared.flights.results.page(flight, wanted, limit, after, before)
-    full = len(records) == limit and (before is None or after is not None)
+    wanted = FrameFilter(**query.model_dump(include=_FILTERS))
+    records = shared.flights.results.page(flight, wanted, query.limit, query.after, query.before)
+    full = len(records) == query.limit and (query.before is None or query.after is not None)
     return FramePage(
         items=[FrameResult.model_validate(record) for record in records],
         next_after=records[-1]["frame"] if full else None,

@@ -205,6 +205,27 @@ class FrameResult(BaseModel):
     status: Literal["ok", "failed"]
 
 
+class FrameQuery(BaseModel):
+    """Which frames of a flight, and how many of them."""
+
+    status: Literal["ok", "failed"] | None = None
+    reason: str | None = Field(None, max_length=40)
+    stage: str | None = Field(None, max_length=20)
+    layer: str | None = Field(None, max_length=10)
+    from_s: float | None = Field(None, allow_inf_nan=False)
+    to_s: float | None = Field(None, allow_inf_nan=False)
+    min_height: float | None = Field(None, allow_inf_nan=False, description="Over the pad, mm.")
+    max_height: float | None = Field(None, allow_inf_nan=False)
+    after: int | None = Field(None, ge=-1, le=2**31 - 1)
+    before: int | None = Field(
+        None,
+        ge=0,
+        le=2**31,
+        description="Without `after`: the last frames below this number.",
+    )
+    limit: int = Field(100, ge=1, le=1000)
+
+
 class FramePage(BaseModel):
     """Frames in the order of their numbers."""
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.pad.coverage.spans import Method, Source
+from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW
 from padstudio.simulate.radiance.scene import GroundKind
 from padstudio.simulate.trajectories import MAX_HEIGHT_MM
 from padstudio.web.schemas.printing import PadShape
@@ -137,6 +138,21 @@ class SuccessMapInfo(BaseModel):
     success: list[list[float]]
     wrong: list[list[float]] = Field(description="Share with a false pose: worse than none.")
     trials: int
+
+
+class AdviceQuery(BaseModel):
+    """A range of heights, the camera, and what pad is wanted."""
+
+    camera: str = Field(max_length=64, examples=["preset-dji-mini-27k"])
+    low_mm: float = Field(gt=0, le=1_000_000, examples=[500.0])
+    high_mm: float = Field(gt=0, le=1_000_000, examples=[8000.0])
+    method: Method = "dense"
+    window: int = Field(5, ge=2, le=MAX_WINDOW)
+    levels: int = Field(2, ge=2, le=MAX_LEVELS)
+    tilt_deg: float = Field(20.0, ge=0, le=89, description="Largest lean.")
+    reach_mm: float = Field(
+        200.0, ge=0, le=1_000_000, description="Off the centre at the lowest height."
+    )
 
 
 class AdviceInfo(BaseModel):
