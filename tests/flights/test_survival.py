@@ -12,9 +12,9 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import desk_process
 import flight_orders
 import psutil
+import service_process
 import videos
 
 from padstudio.store.store import Store
@@ -26,7 +26,7 @@ PATIENCE_S = 900
 def order_flights(data: Path, video: Path) -> None:
     store = Store(data)
     upload = flight_orders.upload(store, video)
-    desk = desk_process.open_desk(store, data, desk_process.open_pool())
+    desk = service_process.open_desk(store, data, service_process.open_pool())
     for _ in range(FLIGHTS):
         desk.order(flight_orders.order(upload))
     store.close()
@@ -34,7 +34,7 @@ def order_flights(data: Path, video: Path) -> None:
 
 @contextlib.contextmanager
 def server(data: Path, end: signal.Signals) -> Iterator[psutil.Process]:
-    script = Path(desk_process.__file__)
+    script = Path(service_process.__file__)
     process = subprocess.Popen([sys.executable, str(script), str(data)], cwd=script.parent)
     watched = psutil.Process(process.pid)
     try:

@@ -17,7 +17,7 @@ import videos
 
 from padstudio.errors import StorageError
 from padstudio.flights.cluster.local import LocalEngine
-from padstudio.flights.desk import FlightDesk
+from padstudio.flights.service import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage, open_source
 from padstudio.media.video_frames import read_frames

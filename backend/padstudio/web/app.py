@@ -33,7 +33,7 @@ from padstudio.web.http import errors
 from padstudio.web.http.security import Guard
 from padstudio.web.pages import pages
 from padstudio.web.schemas.base import Health
-from padstudio.web.server.flight_desk import open_desk
+from padstudio.web.server.flight_service import open_desk
 from padstudio.web.server.services import Analyze, Services
 from padstudio.web.server.settings import Settings, load_settings
 from padstudio.workers import detection

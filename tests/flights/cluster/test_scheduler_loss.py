@@ -13,8 +13,8 @@ import flight_orders
 import videos
 
 from padstudio.flights.cluster.engine import Cluster, ClusterEngine
-from padstudio.flights.desk import FlightDesk
 from padstudio.flights.results.frames import Results
+from padstudio.flights.service import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store

@@ -21,7 +21,7 @@ from padstudio.web.schemas.flights import NewFlight
 from padstudio.web.schemas.planning import FrameSpec, LookInfo, LookList, SimulatedFrame
 from padstudio.web.schemas.simulations import Simulation, SimulationSpec
 from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, attachment
-from padstudio.web.server.simulation_desk import SimulationJob
+from padstudio.web.server.simulation_service import SimulationJob
 from padstudio.workers import frames, simulated_flights
 
 router = APIRouter(tags=["simulate"], responses=ERRORS)

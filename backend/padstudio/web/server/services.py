@@ -11,12 +11,12 @@ from urllib.parse import quote
 from fastapi import Depends, Path, Request
 
 from padstudio.errors import LimitError
-from padstudio.flights.desk import FlightDesk
+from padstudio.flights.service import FlightDesk
 from padstudio.store.store import Store
 from padstudio.vision import warm
 from padstudio.web.schemas.base import ErrorBody
 from padstudio.web.server.settings import Settings
-from padstudio.web.server.simulation_desk import SimulationDesk
+from padstudio.web.server.simulation_service import SimulationDesk
 from padstudio.web.server.turns import Turns
 from padstudio.workers import detection, pads
 from padstudio.workers.pool import WorkerPool

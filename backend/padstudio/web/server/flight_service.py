@@ -5,7 +5,7 @@ from __future__ import annotations
 from padstudio.flights.cluster.engine import Cluster, ClusterEngine
 from padstudio.flights.cluster.local import LocalEngine
 from padstudio.flights.cluster.task import Engine
-from padstudio.flights.desk import FlightDesk
+from padstudio.flights.service import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store

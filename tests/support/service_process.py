@@ -1,4 +1,4 @@
-"""A server's desk in a process of its own, for tests that end it: desk_process.py DATA."""
+"""A server's desk in a process of its own, for tests that end it: service_process.py DATA."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 
 from padstudio.flights.cluster.local import LocalEngine
-from padstudio.flights.desk import FlightDesk
+from padstudio.flights.service import FlightDesk
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store
