@@ -26,9 +26,9 @@ PATIENCE_S = 900
 def order_flights(data: Path, video: Path) -> None:
     store = Store(data)
     upload = flight_orders.upload(store, video)
-    desk = service_process.open_desk(store, data, service_process.open_pool())
+    service = service_process.open_service(store, data, service_process.open_pool())
     for _ in range(FLIGHTS):
-        desk.order(flight_orders.order(upload))
+        service.order(flight_orders.order(upload))
     store.close()
 
 

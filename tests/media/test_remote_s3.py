@@ -17,8 +17,7 @@ import videos
 
 from padstudio.errors import StorageError
 from padstudio.flights.cluster.local import LocalEngine
-from padstudio.flights.service import FlightDesk
-from padstudio.flights.tasks.from_rows import WorkLimits
+from padstudio.flights.service import FlightOptions, FlightService
 from padstudio.media.remote import Storage, open_source
 from padstudio.media.video_frames import read_frames
 from padstudio.media.video_index import read_index
@@ -89,25 +88,24 @@ def test_a_flight_is_read_from_a_bucket(bucket: str, tmp_path: Path) -> None:
     video = videos.write(tmp_path / "a.mp4", FRAMES, keyframe_every=8, paint=videos.blank)
     upload = flight_orders.upload(store, video)
     pool = WorkerPool(1, Limits(1_000_000_000), max_waiting=0)
-    desk = FlightDesk(
+    service = FlightService(
         store.session,
         store.uploads,
         LocalEngine(pool),
-        WorkLimits(),
         Storage(bucket),
-        pictures=tmp_path / "pictures",
+        FlightOptions(pictures=tmp_path / "pictures"),
     )
-    desk.start()
+    service.start()
     try:
-        flight = desk.order(flight_orders.order(upload))
+        flight = service.order(flight_orders.order(upload))
         end = time.monotonic() + 120
-        while (found := desk.flights.get(flight.id)).state in ("queued", "running"):
+        while (found := service.flights.get(flight.id)).state in ("queued", "running"):
             assert time.monotonic() < end
             time.sleep(0.05)
         assert (found.state, found.frames_done, found.error) == ("done", FRAMES, None)
         assert found.sources[0]["url"].startswith(bucket)
     finally:
-        desk.close()
+        service.close()
         pool.close()
         store.close()
 

@@ -1,4 +1,4 @@
-"""A server's desk in a process of its own, for tests that end it: service_process.py DATA."""
+"""A server's flights in a process of its own, for tests that end it: service_process.py DATA."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 
 from padstudio.flights.cluster.local import LocalEngine
-from padstudio.flights.service import FlightDesk
+from padstudio.flights.service import FlightOptions, FlightService
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store
@@ -21,16 +21,18 @@ def open_pool() -> WorkerPool:
     return WorkerPool(2, Limits(1_000_000_000), max_waiting=0)
 
 
-def open_desk(store: Store, data: Path, pool: WorkerPool, **options: int) -> FlightDesk:
-    """A desk whose tasks read three frames, and may cost many workers."""
-    return FlightDesk(
+def open_service(store: Store, data: Path, pool: WorkerPool, **options: int) -> FlightService:
+    """A service whose tasks read three frames, and may cost many workers."""
+    return FlightService(
         store.session,
         store.uploads,
         LocalEngine(pool),
-        WorkLimits(chunk_frames=3),
         Storage(),
-        pictures=data / "pictures",
-        **({"attempts": 20} | options),
+        FlightOptions(
+            pictures=data / "pictures",
+            limits=WorkLimits(chunk_frames=3),
+            **({"attempts": 20} | options),
+        ),
     )
 
 
@@ -40,10 +42,10 @@ def main() -> None:
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     store = Store(data)
     pool = open_pool()
-    desk = open_desk(store, data, pool)
-    desk.start()
+    service = open_service(store, data, pool)
+    service.start()
     ended.wait()
-    desk.close()
+    service.close()
     pool.close()
     store.close()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from sqlalchemy.orm import Session, sessionmaker
@@ -26,7 +26,31 @@ from padstudio.store.uploads.rows import Upload
 from padstudio.store.uploads.uploads import Uploads
 
 
-class FlightDesk:
+@dataclass(frozen=True, kw_only=True)
+class FlightOptions:
+    """How flights are worked on, and how much of them is kept.
+
+    Attributes
+    ----------
+    pictures : Path
+        Folder for kept pictures; emptied.
+    keep_picture_bytes : int
+        What they may take.
+    limits : WorkLimits
+    max_open : int
+        Flights that may be queued or running at a time.
+    attempts : int
+        Dead or hanging workers that one chunk may cost.
+    """
+
+    pictures: Path
+    keep_picture_bytes: int = 4_000_000_000
+    limits: WorkLimits = field(default_factory=WorkLimits)
+    max_open: int = 1000
+    attempts: int = 3
+
+
+class FlightService:
     """Takes orders, has them worked on, and shows what came out.
 
     Parameters
@@ -34,16 +58,8 @@ class FlightDesk:
     session : sessionmaker
     uploads : Uploads
     engine : Engine
-    limits : WorkLimits
     storage : Storage
-    pictures : Path
-        Folder for kept pictures; emptied.
-    keep_picture_bytes : int
-        What they may take.
-    max_open : int
-        Flights that may be queued or running at a time.
-    attempts : int
-        Dead or hanging workers that one chunk may cost.
+    options : FlightOptions
 
     Attributes
     ----------
@@ -59,22 +75,17 @@ class FlightDesk:
         session: sessionmaker[Session],
         uploads: Uploads,
         engine: Engine,
-        limits: WorkLimits,
         storage: Storage,
-        *,
-        pictures: Path,
-        keep_picture_bytes: int = 4_000_000_000,
-        max_open: int = 1000,
-        attempts: int = 3,
+        options: FlightOptions,
     ) -> None:
-        self.flights = Flights(session, max_open)
+        self.flights = Flights(session, options.max_open)
         self.results, self.summaries = Results(session), Summaries(session)
         self.charts = FigureRows(session)
-        self.limits = limits
+        self.limits = options.limits
         self._uploads, self._storage = uploads, storage
-        chunks = Chunks(session, attempts=attempts)
+        chunks = Chunks(session, attempts=options.attempts)
         self._runner = Runner(self.flights, chunks, engine, self._task_of)
-        self.pictures = PictureCache(pictures, keep_picture_bytes)
+        self.pictures = PictureCache(options.pictures, options.keep_picture_bytes)
 
     def start(self) -> None:
         """Go on with what an earlier server left unfinished, and take new work."""

@@ -33,7 +33,7 @@ from padstudio.web.http import errors
 from padstudio.web.http.security import Guard
 from padstudio.web.pages import pages
 from padstudio.web.schemas.base import Health
-from padstudio.web.server.flight_service import open_desk
+from padstudio.web.server.flight_service import open_service
 from padstudio.web.server.services import Analyze, Services
 from padstudio.web.server.settings import Settings, load_settings
 from padstudio.workers import detection
@@ -118,16 +118,16 @@ async def _serving(settings: Settings, analyze: Analyze, app: FastAPI) -> AsyncI
     )
     limits = Limits(settings.worker_memory_bytes, _NICENESS)
     pool = WorkerPool(settings.workers, limits, settings.max_waiting)
-    desk = open_desk(settings, store, pool)
-    services = app.state.services = Services(settings, store, pool, desk, analyze)
-    desk.start()
+    service = open_service(settings, store, pool)
+    services = app.state.services = Services(settings, store, pool, service, analyze)
+    service.start()
     expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))
     try:
         yield
     finally:
         expiry.cancel()
         await services.simulations.close()
-        await run_in_threadpool(desk.close)
+        await run_in_threadpool(service.close)
         pool.close()
         store.close()
 

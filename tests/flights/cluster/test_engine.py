@@ -25,7 +25,7 @@ HERE = Path(engine_jobs.__file__).parent
 NICENESS = 10
 
 
-class Desk:
+class Watched:
     """An engine and what its tasks ended with."""
 
     def __init__(self, engine: Engine) -> None:
@@ -48,9 +48,9 @@ class Desk:
 
 
 @pytest.fixture(scope="module")
-def desk() -> Iterator[Desk]:
+def watched() -> Iterator[Watched]:
     pool = WorkerPool(1, Limits(1_000_000_000, NICENESS), max_waiting=0)
-    yield Desk(LocalEngine(pool))
+    yield Watched(LocalEngine(pool))
     pool.close()
 
 
@@ -67,75 +67,75 @@ def importable(folder: Path) -> Iterator[None]:
             os.environ["PYTHONPATH"] = before
 
 
-def worker(desk: Desk) -> int:
+def worker(watched: Watched) -> int:
     """The process id of the worker."""
-    return int(desk.run(engine_jobs.Say(0)).value[1])
+    return int(watched.run(engine_jobs.Say(0)).value[1])
 
 
-def test_a_value_comes_from_another_process(desk: Desk) -> None:
-    outcome = desk.run(engine_jobs.Say(5))
+def test_a_value_comes_from_another_process(watched: Watched) -> None:
+    outcome = watched.run(engine_jobs.Say(5))
     assert outcome.kind == "value"
     assert outcome.value[0] == 5
     assert outcome.value[1] != os.getpid()
-    assert outcome.value[1] == worker(desk)
-    assert desk.engine.room(0) == 1
+    assert outcome.value[1] == worker(watched)
+    assert watched.engine.room(0) == 1
 
 
-def test_workers_here_leave_the_server_the_first_turn(desk: Desk) -> None:
-    assert psutil.Process(worker(desk)).nice() == max(NICENESS, psutil.Process().nice())
+def test_workers_here_leave_the_server_the_first_turn(watched: Watched) -> None:
+    assert psutil.Process(worker(watched)).nice() == max(NICENESS, psutil.Process().nice())
 
 
-def test_refusals_keep_code_and_detail(desk: Desk) -> None:
-    outcome = desk.run(engine_jobs.Refuse())
+def test_refusals_keep_code_and_detail(watched: Watched) -> None:
+    outcome = watched.run(engine_jobs.Refuse())
     assert outcome.kind == "refused"
     assert outcome.error == {"code": "no_way", "message": "no way on", "detail": {"place": 3}}
 
 
-def test_a_defect_is_named(desk: Desk) -> None:
-    outcome = desk.run(engine_jobs.Break())
+def test_a_defect_is_named(watched: Watched) -> None:
+    outcome = watched.run(engine_jobs.Break())
     assert outcome.kind == "crashed"
     assert outcome.error is not None
     assert outcome.error["code"] == "internal_error"
     assert "ZeroDivisionError" in outcome.error["message"]
 
 
-def test_a_worker_that_cannot_read_its_task_says_so_and_lives(desk: Desk) -> None:
-    before = worker(desk)
-    outcome = desk.run(engine_jobs.Foreign())
+def test_a_worker_that_cannot_read_its_task_says_so_and_lives(watched: Watched) -> None:
+    before = worker(watched)
+    outcome = watched.run(engine_jobs.Foreign())
     assert outcome.kind == "refused"
     assert outcome.error is not None
     assert outcome.error["code"] == "worker_differs"
     assert "same version" in outcome.error["message"]
-    assert worker(desk) == before
+    assert worker(watched) == before
 
 
-def test_a_death_is_told_and_another_worker_goes_on(desk: Desk) -> None:
-    outcome = desk.run(engine_jobs.Die())
+def test_a_death_is_told_and_another_worker_goes_on(watched: Watched) -> None:
+    outcome = watched.run(engine_jobs.Die())
     assert outcome.kind == "crashed"
     assert outcome.error is not None
     assert outcome.error["code"] == "worker_crashed"
-    assert desk.run(engine_jobs.Say(1)).value[0] == 1
+    assert watched.run(engine_jobs.Say(1)).value[0] == 1
 
 
-def test_a_worker_that_hangs_is_ended(desk: Desk, tmp_path: Path) -> None:
-    hanging = desk.submit(engine_jobs.WaitForStop(tmp_path))
+def test_a_worker_that_hangs_is_ended(watched: Watched, tmp_path: Path) -> None:
+    hanging = watched.submit(engine_jobs.WaitForStop(tmp_path))
     cluster_processes.wait_for(tmp_path / "running")
-    desk.engine.end_worker_of(hanging)
-    assert desk.next().kind == "crashed"
-    assert desk.run(engine_jobs.Say(4)).value[0] == 4
+    watched.engine.end_worker_of(hanging)
+    assert watched.next().kind == "crashed"
+    assert watched.run(engine_jobs.Say(4)).value[0] == 4
 
 
-def test_stop_reaches_running_and_waiting_tasks(desk: Desk, tmp_path: Path) -> None:
-    running = desk.submit(engine_jobs.WaitForStop(tmp_path))
-    waiting = desk.submit(engine_jobs.Say(2))
-    assert desk.engine.room(2) == 0
+def test_stop_reaches_running_and_waiting_tasks(watched: Watched, tmp_path: Path) -> None:
+    running = watched.submit(engine_jobs.WaitForStop(tmp_path))
+    waiting = watched.submit(engine_jobs.Say(2))
+    assert watched.engine.room(2) == 0
     cluster_processes.wait_for(tmp_path / "running")
-    desk.engine.stop(waiting)
-    assert desk.next().kind == "lost"
-    desk.engine.stop(running)
-    assert desk.next().kind == "lost"
+    watched.engine.stop(waiting)
+    assert watched.next().kind == "lost"
+    watched.engine.stop(running)
+    assert watched.next().kind == "lost"
     cluster_processes.wait_for(tmp_path / "stopped")
-    assert desk.run(engine_jobs.Say(3)).value[0] == 3
+    assert watched.run(engine_jobs.Say(3)).value[0] == 3
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:8786", "127.0.0.1:8786", "ws://a:1"])
@@ -156,7 +156,7 @@ def test_workers_join_a_scheduler(lend: Callable[..., Any], tmp_path: Path) -> N
             assert (engine.room(0), engine.room(1)) == (1, 0)
             assert "no worker is connected" in str(engine.tend())
             with lend(tls, address) as process:
-                outcome = Desk(engine).run(engine_jobs.Say(8))
+                outcome = Watched(engine).run(engine_jobs.Say(8))
                 assert outcome.kind == "value"
                 assert outcome.value[0] == 8
                 assert outcome.value[1] not in (os.getpid(), process.pid)

@@ -14,7 +14,7 @@ import videos
 
 from padstudio.flights.cluster.engine import Cluster, ClusterEngine
 from padstudio.flights.results.frames import Results
-from padstudio.flights.service import FlightDesk
+from padstudio.flights.service import FlightOptions, FlightService
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store
@@ -38,7 +38,7 @@ def test_all_that_is_unfinished_is_done_by_the_next_scheduler(tmp_path: Path) ->
         stack.callback(store.close)
         video = videos.write(tmp_path / "a.mp4", FRAMES, keyframe_every=3, paint=videos.blank)
         upload = flight_orders.upload(store, video)
-        desk = FlightDesk(
+        service = FlightService(
             store.session,
             store.uploads,
             ClusterEngine(
@@ -46,17 +46,16 @@ def test_all_that_is_unfinished_is_done_by_the_next_scheduler(tmp_path: Path) ->
                     scheduler=address, tls_ca=tls["ca"], tls_cert=tls["cert"], tls_key=tls["key"]
                 )
             ),
-            WorkLimits(chunk_frames=3),
             Storage(str(tmp_path / "shared")),
-            pictures=tmp_path / "pictures",
+            FlightOptions(pictures=tmp_path / "pictures", limits=WorkLimits(chunk_frames=3)),
         )
-        stack.callback(desk.close)
-        desk.start()
+        stack.callback(service.close)
+        service.start()
         for _ in range(FLIGHTS):
-            desk.order(flight_orders.order(upload))
+            service.order(flight_orders.order(upload))
 
         def done() -> int:
-            return desk.flights.list(1, 0, "done")[1]
+            return service.flights.list(1, 0, "done")[1]
 
         wait_until(lambda: done() >= 3)
         first.kill()
@@ -70,6 +69,6 @@ def test_all_that_is_unfinished_is_done_by_the_next_scheduler(tmp_path: Path) ->
         stack.enter_context(cluster_processes.worker(tls, address))
         wait_until(lambda: done() == FLIGHTS)
         results = Results(store.session)
-        for flight in desk.flights.list(FLIGHTS, 0)[0]:
+        for flight in service.flights.list(FLIGHTS, 0)[0]:
             assert (flight.frames_done, flight.error) == (FRAMES, None)
             assert [record["frame"] for record in results.every(flight)] == list(range(FRAMES))

@@ -174,7 +174,7 @@ def get_flight_telemetry(flight_id: ItemId, shared: Shared) -> TelemetryColumns:
 
 
 def order_flight(new: NewFlight, shared: Services) -> FlightRow:
-    """Queue an analysis; raises as `FlightDesk.order`."""
+    """Queue an analysis; raises as `FlightService.order`."""
     order = FlightOrder("", new.uploads, "", "", _DEFAULTS)
     return shared.flights.order(_changed(order, new, shared.store))
 

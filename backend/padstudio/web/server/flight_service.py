@@ -1,11 +1,11 @@
-"""Opens the desk for flights as the settings say."""
+"""Opens the service of flights as the settings say."""
 
 from __future__ import annotations
 
 from padstudio.flights.cluster.engine import Cluster, ClusterEngine
 from padstudio.flights.cluster.local import LocalEngine
 from padstudio.flights.cluster.task import Engine
-from padstudio.flights.service import FlightDesk
+from padstudio.flights.service import FlightOptions, FlightService
 from padstudio.flights.tasks.from_rows import WorkLimits
 from padstudio.media.remote import Storage
 from padstudio.store.store import Store
@@ -13,28 +13,30 @@ from padstudio.web.server.settings import Settings
 from padstudio.workers.pool import WorkerPool
 
 
-def open_desk(settings: Settings, store: Store, pool: WorkerPool) -> FlightDesk:
-    """The desk of a server; nothing runs before `FlightDesk.start`.
+def open_service(settings: Settings, store: Store, pool: WorkerPool) -> FlightService:
+    """The service of a server; nothing runs before `FlightService.start`.
 
     Raises
     ------
     SpecError
         If the scheduler's address is not encrypted.
     """
-    return FlightDesk(
+    return FlightService(
         store.session,
         store.uploads,
         _engine(settings, pool),
-        WorkLimits(
-            max_pixels=settings.max_image_pixels,
-            max_frames=settings.max_frames,
-            chunk_frames=settings.chunk_frames,
-        ),
         Storage(settings.storage),
-        pictures=settings.data / "pictures",
-        keep_picture_bytes=settings.keep_picture_bytes,
-        max_open=settings.max_flights,
-        attempts=settings.chunk_attempts,
+        FlightOptions(
+            pictures=settings.data / "pictures",
+            keep_picture_bytes=settings.keep_picture_bytes,
+            limits=WorkLimits(
+                max_pixels=settings.max_image_pixels,
+                max_frames=settings.max_frames,
+                chunk_frames=settings.chunk_frames,
+            ),
+            max_open=settings.max_flights,
+            attempts=settings.chunk_attempts,
+        ),
     )
 
 

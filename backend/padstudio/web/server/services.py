@@ -11,12 +11,12 @@ from urllib.parse import quote
 from fastapi import Depends, Path, Request
 
 from padstudio.errors import LimitError
-from padstudio.flights.service import FlightDesk
+from padstudio.flights.service import FlightService
 from padstudio.store.store import Store
 from padstudio.vision import warm
 from padstudio.web.schemas.base import ErrorBody
 from padstudio.web.server.settings import Settings
-from padstudio.web.server.simulation_service import SimulationDesk
+from padstudio.web.server.simulation_service import SimulationService
 from padstudio.web.server.turns import Turns
 from padstudio.workers import detection, pads
 from padstudio.workers.pool import WorkerPool
@@ -36,12 +36,12 @@ class Services:
     settings : Settings
     store : Store
     pool : WorkerPool
-    flights : FlightDesk
+    flights : FlightService
     analyze : callable
         `padstudio.workers.detection.analyze`, or what stands in for it.
     turns : Turns
         At uploads.
-    simulations : SimulationDesk
+    simulations : SimulationService
     painting : dict
         Pictures of frames that are being made, by name.
     """
@@ -49,10 +49,10 @@ class Services:
     settings: Settings
     store: Store
     pool: WorkerPool
-    flights: FlightDesk
+    flights: FlightService
     analyze: Analyze
     turns: Turns = field(default_factory=Turns)
-    simulations: SimulationDesk = field(default_factory=SimulationDesk)
+    simulations: SimulationService = field(default_factory=SimulationService)
     painting: dict[str, asyncio.Future[list[dict[str, Any]]]] = field(default_factory=dict)
 
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:

@@ -52,7 +52,7 @@ class SimulationJob:
         return self.frames_total if self.state == "done" else frames_done(self.folder)
 
 
-class SimulationDesk:
+class SimulationService:
     """The simulated flights of a server; for one event loop."""
 
     def __init__(self) -> None:
