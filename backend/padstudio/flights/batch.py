@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-import logging
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import cv2
 
 from padstudio.errors import StudioError
 from padstudio.flights.tasks import from_rows
 from padstudio.flights.tasks.detectors import Recipe, detector_for
-from padstudio.flights.tasks.frames import FramesTask, VideoPart
+from padstudio.flights.tasks.frames import (
+    FramesTask,
+    Record,
+    VideoPart,
+    defect_record,
+    unread_record,
+)
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
 from padstudio.media import images, video_index
 from padstudio.media.sources import is_video
 from padstudio.workers.inside import Limits
 from padstudio.workers.pool import WorkerPool
-
-Record = dict[str, Any]
-logger = logging.getLogger(__name__)
 
 #: A still that takes longer is given up,
 FRAME_SECONDS = 120.0
@@ -212,31 +213,16 @@ def _result(piece: Piece, run: Callable[[], list[Record]]) -> list[Record]:
     try:
         return run()
     except StudioError as error:
-        return _unread(piece, error)
+        failed = unread_record(error)
+        failed["detail"] = error.message.removeprefix(f"{piece.source}: ")
     except Exception as error:
-        logger.exception("%s brought a defect to light", piece.source)
-        defect = StudioError(f"a defect of the program: {error!r}", code="internal_error")
-        return _unread(piece, defect)
+        failed = defect_record(error)
+    return [
+        {"source": piece.source, "frame": number, "time_s": time_s, **failed}
+        for number, time_s in zip(piece.numbers, piece.times_s, strict=True)
+    ]
 
 
 def _never() -> bool:
     """Nothing stops a task here but the end of its process."""
     return False
-
-
-def _unread(piece: Piece, error: StudioError) -> list[Record]:
-    message = error.message.removeprefix(f"{piece.source}: ")
-    return [
-        {
-            "source": piece.source,
-            "frame": number,
-            "time_s": time_s,
-            "status": "failed",
-            "stage": "read",
-            "reason": error.error_code,
-            "detail": message,
-            "advice": "",
-            "elapsed_ms": {},
-        }
-        for number, time_s in zip(piece.numbers, piece.times_s, strict=True)
-    ]

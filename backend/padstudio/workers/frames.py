@@ -19,6 +19,7 @@ from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import Frame, render
 from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.success_map import MapGrid, success_map
+from padstudio.vision.stage.detection import pose_fields
 
 # A rotation that came through JSON is rounded.
 _ORTHOGONAL_WITHIN = 1e-3
@@ -57,7 +58,7 @@ def simulate_frame(
         "picture": _picture(frame),
         "width": the_camera.width,
         "height": the_camera.height,
-        "truth": _truth(frame.truth.pose),
+        "truth": pose_fields(frame.truth.pose),
     }
 
 
@@ -151,13 +152,3 @@ def _picture(frame: Frame) -> dict[str, str]:
     if encoded is None:
         encoded, media_type = cv2.imencode(".png", frame.image)[1].tobytes(), "image/png"
     return {"media_type": media_type, "base64": base64.b64encode(encoded).decode()}
-
-
-def _truth(pose: Pose) -> dict[str, Any]:
-    return {
-        "position_mm": pose.position_mm.tolist(),
-        "rotation": pose.rotation.tolist(),
-        "quaternion_xyzw": pose.quaternion_xyzw.tolist(),
-        "heading_deg": pose.heading_deg,
-        "tilt_deg": pose.tilt_deg,
-    }

@@ -167,9 +167,9 @@ class FramesTask:
                 image = read_still(part, self.max_pixels)
                 record = _record(detector.detect(image), part.name)
             except StudioError as error:
-                record = _unread(error)
+                record = unread_record(error)
             except Exception as error:
-                record = _defect(error)
+                record = defect_record(error)
             yield record | {"source": part.name}
 
 
@@ -208,9 +208,9 @@ def _track(
                 readable.popleft()
                 yield waiting.popleft(), detection
         except StudioError as error:
-            failed: Record = _unread(error)
+            failed: Record = unread_record(error)
         except Exception as error:
-            failed = _defect(error)
+            failed = defect_record(error)
         else:
             yield from _lost_before(waiting, None)
             return
@@ -246,11 +246,13 @@ def _record(detection: Detection, source: str) -> Record:
     return record
 
 
-def _unread(error: StudioError) -> Record:
+def unread_record(error: StudioError) -> Record:
+    """What stands in the record of a frame that cannot be read, beside its source and number."""
     return _LOST | {"reason": error.error_code, "detail": error.message, "advice": ""}
 
 
-def _defect(error: Exception) -> Record:
+def defect_record(error: Exception) -> Record:
+    """As `unread_record`, where a frame brought a defect to light; the log has it whole."""
     logger.exception("a frame brought a defect to light", exc_info=error)
     detail = f"a defect of the program: {error!r}"
     return _LOST | {"reason": "internal_error", "detail": detail, "advice": ""}

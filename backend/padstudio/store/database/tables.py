@@ -26,26 +26,25 @@ class Base(DeclarativeBase):
     """Root of the tables."""
 
 
-class PadRow(Base):
-    """A stored pad; ``content`` is its pad file."""
+class StoredFile:
+    """Columns of a file that is kept whole beside what lists show of it."""
+
+    id: Mapped[str] = mapped_column(String(32), primary_key=True)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
+    summary: Mapped[dict[str, Any]] = mapped_column(JSON)
+    content: Mapped[str] = mapped_column(Text, deferred=True)
+
+
+class PadRow(StoredFile, Base):
+    """A stored pad: its pad file."""
 
     __tablename__ = "pads"
 
-    id: Mapped[str] = mapped_column(String(32), primary_key=True)
-    created_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
-    summary: Mapped[dict[str, Any]] = mapped_column(JSON)
-    content: Mapped[str] = mapped_column(Text, deferred=True)
 
-
-class CameraRow(Base):
-    """A stored camera; ``content`` is its ROS YAML file."""
+class CameraRow(StoredFile, Base):
+    """A stored camera: its ROS YAML file."""
 
     __tablename__ = "cameras"
-
-    id: Mapped[str] = mapped_column(String(32), primary_key=True)
-    created_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
-    summary: Mapped[dict[str, Any]] = mapped_column(JSON)
-    content: Mapped[str] = mapped_column(Text, deferred=True)
 
 
 class TraceRow(Base):
