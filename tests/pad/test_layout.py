@@ -90,7 +90,7 @@ def test_a_measured_scale_moves_corners_from_the_centre():
 
 def test_fractions_of_a_cell():
     pad = two_layers()
-    middle = lattice_mm(pad, pad.layers[0], np.array([0.5]), np.array([3.5]))
+    middle = lattice_mm(pad, pad.layers[0], np.array([3.5, 0.5]))
     np.testing.assert_allclose(middle, [[[15, 15, 0]]])
 
 

@@ -33,7 +33,7 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         edge_points_kernel.borders_in_view,
         edge_points_kernel.find_borders,
         cells_kernel.sample,
-        cells_kernel.width_px,
+        cells_kernel.locate,
         planar_pnp_kernel.fit_mirrored,
         pixels_kernel.impulses,
         least_squares_kernel.fit,

@@ -91,17 +91,25 @@ def corners_mm(pad: Pad, channel: Channel) -> Array:
     layer = pad.layer(channel)
     if layer is None:
         raise KeyError(channel)
-    return lattice_mm(pad, layer, np.arange(layer.rows + 1.0), np.arange(layer.cols + 1.0))
+    grid = np.meshgrid(np.arange(layer.cols + 1.0), np.arange(layer.rows + 1.0))
+    return lattice_mm(pad, layer, np.stack(grid, axis=-1))
 
 
-def lattice_mm(pad: Pad, layer: Layer, rows: Array, cols: Array) -> Array:
-    """Pad-frame positions (R, C, 3) of lattice coordinates (rows and columns may be fractions)."""
-    sx, sy = pad.scale
-    x = (cols * layer.cell_mm - pad.width_mm / 2) * sx
-    y = (pad.height_mm / 2 - rows * layer.cell_mm) * sy
-    out = np.zeros((len(rows), len(cols), 3))
-    out[..., 0], out[..., 1] = x[None, :], y[:, None]
-    return out
+def lattice_mm(pad: Pad, layer: Layer, coordinates: Array) -> Array:
+    """Pad-frame positions (…, 3), mm, of a layer's lattice coordinates (…, 2): column, row.
+
+    Cells lie between whole numbers; the pad has its measured size.
+    """
+    x = (coordinates[..., 0] * layer.cell_mm - pad.width_mm / 2) * pad.scale[0]
+    y = (pad.height_mm / 2 - coordinates[..., 1] * layer.cell_mm) * pad.scale[1]
+    return np.stack([x, y, np.zeros_like(x)], axis=-1)
+
+
+def lattice_of(pad: Pad, layer: Layer, points_mm: Array) -> Array:
+    """The inverse of `lattice_mm`: coordinates (…, 2) of points of the pad's plane."""
+    column = (points_mm[..., 0] / pad.scale[0] + pad.width_mm / 2) / layer.cell_mm
+    row = (pad.height_mm / 2 - points_mm[..., 1] / pad.scale[1]) / layer.cell_mm
+    return np.stack([column, row], axis=-1)
 
 
 def outline_mm(pad: Pad) -> Array:

@@ -6,9 +6,9 @@ from dense_frames import IDEAL, frame_of, random_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.layout import lattice_mm
 from padstudio.simulate.radiance.scene import Light
 from padstudio.vision.cells.sampling import read_cells, relative_field, to_levels
-from padstudio.vision.cells.visible import to_pad
 from padstudio.vision.frame.pyramid import Pyramid
 
 
@@ -17,7 +17,7 @@ def read(pad, pose, layer, *, imaging=IDEAL, **scene):
     pyramid = Pyramid(frame_of(pose, pad=pad, camera=camera, imaging=imaging, **scene))
 
     def to_pixels(at):
-        return MovingPose(pose).project(camera, to_pad(pad, layer, at))
+        return MovingPose(pose).project(camera, lattice_mm(pad, layer, at))
 
     return read_cells(pyramid, layer.channel, to_pixels, (0, layer.cols), (0, layer.rows))
 

@@ -17,7 +17,8 @@ from dense_frames import (
 
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.vision.cells.visible import to_lattice, to_pad, visible_range
+from padstudio.pad.layout import lattice_mm, lattice_of
+from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.dense.answer import Choice, choose
 from padstudio.vision.dense.whole_pad import WholeSign, find_whole_sign
 from padstudio.vision.frame.pyramid import Pyramid
@@ -124,7 +125,7 @@ def test_the_search_sees_the_pad_at_its_true_place():
     assert isinstance(first, Sighting)
     at = np.array([[0.0, 0.0], [2.0, 1.0]])
     there = np.column_stack([at, np.ones(2)]) @ first.placement.pad_from_lattice.T
-    points = to_pad(sample_pad(), first.placement.layer, there)
+    points = lattice_mm(sample_pad(), first.placement.layer, there)
     seen = MovingPose(pose).project(CAMERA, points)
     np.testing.assert_allclose(CAMERA.denormalize(first.lattice.to_rays(at)), seen, atol=4.0)
     assert len(frame.lattices) >= 1
@@ -174,12 +175,12 @@ def test_what_a_camera_sees_of_a_layer():
     pose = look_at_pad(300.0, tilt_deg=15, heading_deg=30, target_mm=(100, 50))
     rows, cols = visible_range(sample_pad(), RED, CAMERA, pose)
     every = np.stack(np.meshgrid(np.arange(125) + 0.5, np.arange(125) + 0.5), -1).reshape(-1, 2)
-    points = to_pad(sample_pad(), RED, every)
+    points = lattice_mm(sample_pad(), RED, every)
     pixels = MovingPose(pose).project(CAMERA, points)
     seen = (pixels >= 0).all(axis=1) & (pixels <= [639, 479]).all(axis=1)
     inside = (every >= [cols[0], rows[0]]).all(axis=1) & (every < [cols[1], rows[1]]).all(axis=1)
     assert inside[seen].all()
-    column, row = to_lattice(sample_pad(), RED, points[:, 0], points[:, 1])
+    column, row = lattice_of(sample_pad(), RED, points).T
     np.testing.assert_allclose(np.column_stack([column, row]), every, atol=1e-9)
     up = look_at_pad(300.0, tilt_deg=89.9, target_mm=(1e6, 0), tilt_towards_deg=90)
     (r0, r1), (c0, c1) = visible_range(sample_pad(), RED, CAMERA, up)

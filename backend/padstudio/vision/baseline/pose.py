@@ -11,9 +11,9 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import PlanarPose, planar_pose
 from padstudio.geometry.pose import Pose
+from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.baseline.decode import WindowRead
-from padstudio.vision.cells.visible import to_pad
 from padstudio.vision.outline.corner_pose import (
     corner_covariance,
     corner_residuals,
@@ -94,7 +94,7 @@ def window_pose(
     read : WindowRead
     params : PaperParams
     """
-    points_mm = to_pad(pad, read.layer, read.corners_lattice)
+    points_mm = lattice_mm(pad, read.layer, read.corners_lattice)
     rays = camera.normalize(read.window.corners_xy)
     planar = planar_pose(points_mm, rays)
     if planar is None:
@@ -138,6 +138,6 @@ def _off_lattice(pad: Pad, camera: Camera, read: WindowRead, pose: Pose) -> floa
     down = (read.corners_lattice[3] - read.corners_lattice[0]) / window.size
     step = here - origin
     there = read.corners_lattice[0] + step[:, :1] * across + step[:, 1:] * down
-    off = corner_residuals(pose, camera, to_pad(pad, read.layer, there), window.to_pixels(here))
+    off = corner_residuals(pose, camera, lattice_mm(pad, read.layer, there), window.to_pixels(here))
     off_cells = np.linalg.norm(off, axis=1) / max(cells.cell_px, 1.0)
     return float(np.sqrt(np.mean(off_cells**2))) if np.isfinite(off_cells).all() else np.inf

@@ -14,6 +14,41 @@ from padstudio.vision.frame.pyramid import Window
 
 # So many lines of cells tell how wide they are.
 _TELLING = 16
+# Under tilt cells narrower than this, pixels, are left to the horizon, where enough others are
+# wider.
+_LEAST_WIDTH, _ENOUGH = 2.0, 60
+# Where a cell is read whose centre is out of view: toward a side, then toward a corner, by this
+# part of a cell. Not so far that its neighbour shows at the scale that cells are read at. Close to
+# the ground such cells are a third of all.
+_OFF_CENTRE = 0.2
+_ASIDE = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+@fast_jit
+def locate(
+    nodes: Array, every: int, shape: tuple[int, int], frame: tuple[int, int]
+) -> tuple[Array, NDArray[np.bool_], float]:
+    """Where the cells of a lattice are read in a frame.
+
+    Parameters
+    ----------
+    nodes : (⌈(R−1)/every⌉ + 1, …, 2) float64
+        Centres of each ``every``-th cell along rows and columns, frame pixels.
+    every : int
+    shape : (R, C)
+    frame : (width, height)
+
+    Returns
+    -------
+    xy : (R, C, 2) float64
+    seen : (R, C) bool
+    width_px : float
+        Median side of a cell.
+    """
+    xy = spread(nodes, every, shape)
+    seen = bring_into_view(xy, frame[0], frame[1])
+    leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
+    return xy, seen, width_px(xy, seen)
 
 
 @fast_jit
@@ -55,11 +90,8 @@ def spread(nodes: Array, every: int, shape: tuple[int, int]) -> Array:
 
 
 @fast_jit
-def bring_into_view(xy: Array, width: int, height: int, off_centre: Array) -> NDArray[np.bool_]:
-    """Which cells (R, C, 2) are seen; those cut by the frame's edge are moved to where they show.
-
-    ``off_centre`` (N, 2) holds the places of a cell to try, in cells along columns and rows.
-    """
+def bring_into_view(xy: Array, width: int, height: int) -> NDArray[np.bool_]:
+    """Which cells (R, C, 2) are seen; those that the frame cuts are moved to where they show."""
     rows, cols = xy.shape[:2]
     seen = np.zeros((rows, cols), np.bool_)
     moved = np.empty((rows, cols, 2))
@@ -78,7 +110,8 @@ def bring_into_view(xy: Array, width: int, height: int, off_centre: Array) -> ND
             near_x = -reach_x <= x <= width - 1 + reach_x
             if not (near_x and -reach_y <= y <= height - 1 + reach_y):
                 continue
-            for across, down in off_centre:
+            for aside in _ASIDE:
+                across, down = _OFF_CENTRE * aside[0], _OFF_CENTRE * aside[1]
                 px, py = x + across * ax + down * bx, y + across * ay + down * by
                 if 0 <= px <= width - 1 and 0 <= py <= height - 1:
                     seen[r, c] = True

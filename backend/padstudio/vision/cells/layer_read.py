@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.evidence import Evidence, judge
 from padstudio.vision.cells.sampling import CellGrid, read_cells
-from padstudio.vision.cells.visible import to_pad, visible_range
+from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Pyramid
 
 
@@ -67,7 +68,7 @@ def read_layer(
         return None
 
     def to_pixels(coordinates: Array) -> Array:
-        return pose.project(camera, to_pad(pad, layer, coordinates))
+        return pose.project(camera, lattice_mm(pad, layer, coordinates))
 
     cells = read_cells(pyramid, layer.channel, to_pixels, cols, rows)
     if cells is None:

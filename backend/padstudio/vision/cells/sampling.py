@@ -21,14 +21,6 @@ ToPixels = Callable[[Array], Array]
 # Cells are read at the level where they are at least this wide, pixels.
 _READING_WIDTH = 3.0
 _LEAST_SIDE = 4
-# Under tilt cells narrower than this are left to the horizon, where enough others are wider.
-_LEAST_WIDTH, _ENOUGH = 2.0, 60
-# Where a cell is read whose centre is out of view: toward a side, then toward a corner, but not so
-# far that its neighbour shows at the scale that cells are read at. Close to the ground such cells
-# are a third of all.
-_OFF_CENTRE = 0.2 * np.array(
-    [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]], float
-)
 # From so many cells on only each of so many is projected, along rows and columns.
 _MANY, _EVERY = 2000, 4
 # Brightness is compared with that of a block of this many cells a side.
@@ -104,29 +96,20 @@ def read_cells(
     shape = (rows[1] - rows[0], columns[1] - columns[0])
     if min(shape) <= 0:
         return None
-    first = np.array([columns[0], rows[0]]) + 0.5
-    xy = _centres(to_pixels, first, shape)
-    seen = cells_kernel.bring_into_view(xy, pyramid.width, pyramid.height, _OFF_CENTRE)
+    # Between a few of many cells the picture of a plane bends by a small part of a cell.
+    every = 1 if shape[0] * shape[1] < _MANY else _EVERY
+    c, r = (np.arange(0, count + every - 1, every) + 0.5 for count in (shape[1], shape[0]))
+    nodes = np.stack(np.meshgrid(columns[0] + c, rows[0] + r), axis=-1)
+    nodes = to_pixels(nodes.reshape(-1, 2)).reshape(nodes.shape)
+    xy, seen, width = cells_kernel.locate(nodes, every, shape, (pyramid.width, pyramid.height))
     if not seen.any():
         return None
-    cells_kernel.leave_out_small(xy, seen, _LEAST_WIDTH, _ENOUGH)
-    width = cells_kernel.width_px(xy, seen)
     # A cell as wide as the frame is read at a scale that still has pixels to look between.
     widest = min(width, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
     level = math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
     values = cells_kernel.sample(pyramid.window(channel, level), xy, seen)
     relative = _relative(values, seen)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
-
-
-def _centres(to_pixels: ToPixels, first: Array, shape: tuple[int, int]) -> Array:
-    """Where the cells of a lattice lie in the frame, (R, C, 2); the first one's centre is given."""
-    # Between a few of many cells the picture of a plane bends by a small part of a cell.
-    every = 1 if shape[0] * shape[1] < _MANY else _EVERY
-    c, r = (np.arange(0, count + every - 1, every) for count in (shape[1], shape[0]))
-    nodes = np.stack(np.meshgrid(first[0] + c, first[1] + r), axis=-1)
-    at = to_pixels(nodes.reshape(-1, 2)).reshape(nodes.shape)
-    return at if every == 1 else cells_kernel.spread(at, every, shape)
 
 
 def _relative(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.float32]:

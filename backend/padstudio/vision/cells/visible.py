@@ -11,6 +11,7 @@ from padstudio.arrays import Array
 from padstudio.geometry import projection
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
+from padstudio.pad.layout import lattice_of
 from padstudio.pad.spec import Layer, Pad
 
 _GRID = 12
@@ -33,8 +34,8 @@ def visible_range(
     )
     if not low[0] <= high[0]:
         return (0, 0), (0, 0)
-    column, row = to_lattice(pad, layer, np.array([low[0], high[0]]), np.array([high[1], low[1]]))
-    return _span(row, layer.rows), _span(column, layer.cols)
+    first, last = lattice_of(pad, layer, np.array([[low[0], high[1]], [high[0], low[1]]]))
+    return _span(first[1], last[1], layer.rows), _span(first[0], last[0], layer.cols)
 
 
 @lru_cache(maxsize=8)
@@ -46,22 +47,6 @@ def _rays(camera: Camera) -> Array:
     return np.column_stack([normalized, np.ones(len(normalized))])
 
 
-def to_lattice(pad: Pad, layer: Layer, x_mm: Array, y_mm: Array) -> tuple[Array, Array]:
-    """Column and row, as fractions, of points of the pad frame."""
-    width, height = pad.size_mm
-    column = (x_mm + width / 2) / (layer.cell_mm * pad.scale[0])
-    row = (height / 2 - y_mm) / (layer.cell_mm * pad.scale[1])
-    return column, row
-
-
-def to_pad(pad: Pad, layer: Layer, coordinates: Array) -> Array:
-    """Points (N, 3) of the pad frame, mm, of a layer's lattice coordinates (N, 2): column, row."""
-    width, height = pad.size_mm
-    x = coordinates[:, 0] * layer.cell_mm * pad.scale[0] - width / 2
-    y = height / 2 - coordinates[:, 1] * layer.cell_mm * pad.scale[1]
-    return np.column_stack([x, y, np.zeros(len(coordinates))])
-
-
-def _span(values: Array, count: int) -> tuple[int, int]:
-    low, high = math.floor(values[0]) - 1, math.ceil(values[1]) + 1
+def _span(first: float, last: float, count: int) -> tuple[int, int]:
+    low, high = math.floor(first) - 1, math.ceil(last) + 1
     return min(max(low, 0), count), min(max(high, 0), count)

@@ -10,8 +10,8 @@ import numpy as np
 
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Pad
-from padstudio.vision.cells.visible import to_pad
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import LayerFit, RefinedPose
 from padstudio.vision.search.search import Sighting
@@ -32,7 +32,7 @@ def first_poses(pad: Pad, sighting: Sighting) -> list[MovingPose]:
     columns, rows = (np.linspace(*ends, _CROSSINGS) for ends in (lattice.columns, lattice.rows))
     here = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     there = np.column_stack([here, np.ones(len(here))]) @ placement.pad_from_lattice.T
-    planar = planar_pose(to_pad(pad, placement.layer, there), lattice.to_rays(here))
+    planar = planar_pose(lattice_mm(pad, placement.layer, there), lattice.to_rays(here))
     if planar is None:
         return []
     if planar.other is None or planar.ambiguity < _CLEAR:

@@ -6,6 +6,8 @@ unused channel in the light tells them apart whatever the brightness.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -96,8 +98,9 @@ def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
     dark = _dark_mask(pyramid.level(level), unused)
     if dark is None:
         return [whole]
-    regions = _components(dark, level, pyramid)
-    return [*regions, whole]
+    largest = itertools.islice(_components(dark, 7), _MOST_REGIONS)
+    found = itertools.takewhile(lambda item: item[0][-1] >= _LEAST_AREA, largest)
+    return [*(_region(*item, level, pyramid) for item in found), whole]
 
 
 def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8] | None:
@@ -114,25 +117,33 @@ def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8]
     return np.asarray(share < (low + high) / 2, np.uint8)
 
 
-def _components(dark: NDArray[np.uint8], level: int, pyramid: Pyramid) -> list[Region]:
-    closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, np.ones((7, 7), np.uint8))
+def _components(
+    dark: NDArray[np.uint8], closing: int
+) -> Iterator[tuple[list[int], NDArray[np.bool_]]]:
+    """Connected parts of a mask without small holes, the largest first.
+
+    Yields
+    ------
+    x, y, width, height, area : list of int
+    part : (h, w) bool
+    """
+    closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, np.ones((closing, closing), np.uint8))
     count, labels, stats, _ = cv2.connectedComponentsWithStats(closed, connectivity=8)
-    order = sorted(range(1, count), key=lambda k: -int(stats[k, cv2.CC_STAT_AREA]))
-    regions = []
-    for k in order[:_MOST_REGIONS]:
-        x, y, w, h, area = (int(v) for v in stats[k])
-        if area < _LEAST_AREA:
-            break
-        mask = cv2.dilate((labels == k).astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool)
-        edge = 2 + max(w, h) // 12
-        box = Box(
-            max(0, (x - edge) << level),
-            max(0, (y - edge) << level),
-            min(pyramid.width, (x + w + edge) << level),
-            min(pyramid.height, (y + h + edge) << level),
-        )
-        regions.append(Region(box, mask, level))
-    return regions
+    for k in sorted(range(1, count), key=lambda k: -int(stats[k, cv2.CC_STAT_AREA])):
+        yield [int(value) for value in stats[k]], np.asarray(labels == k)
+
+
+def _region(stats: list[int], part: NDArray[np.bool_], level: int, pyramid: Pyramid) -> Region:
+    """A part of the mask with some room about it."""
+    x, y, w, h, _ = stats
+    edge = 2 + max(w, h) // 12
+    box = Box(
+        max(0, (x - edge) << level),
+        max(0, (y - edge) << level),
+        min(pyramid.width, (x + w + edge) << level),
+        min(pyramid.height, (y + h + edge) << level),
+    )
+    return Region(box, cv2.dilate(part.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0, level)
 
 
 def sharper(pyramid: Pyramid, pad: Pad, region: Region) -> Region:
@@ -154,11 +165,9 @@ def sharper(pyramid: Pyramid, pad: Pad, region: Region) -> Region:
     dark = _dark_mask(image[y0:y1, x0:x1], unused_channels(pad))
     if dark is None:
         return region
-    closed = cv2.morphologyEx(dark, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(closed, connectivity=8)
-    if count < 2:
+    largest = next(_components(dark, 5), None)
+    if largest is None:
         return region
-    largest = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
     mask = np.zeros(image.shape[:2], bool)
-    mask[y0:y1, x0:x1] = labels == largest
+    mask[y0:y1, x0:x1] = largest[1]
     return Region(region.box, mask, level)
