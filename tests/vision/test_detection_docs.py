@@ -6,7 +6,7 @@ import cv2
 import pytest
 from paper_frames import FOOTAGE
 
-from padstudio.vision.cells.evidence import LEAST_SKILL
+from padstudio.vision.cells.evidence import LEAST_KAPPA
 from padstudio.vision.stage.parameter import Parameter, parameters_of
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import STAGES, Reason
@@ -23,7 +23,7 @@ def test_the_rule_is_the_codes():
     bound = DetectorParams().log10_false_alarm
     digits = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
     assert f"≥ k) ≤ 10⁻{str(round(-bound)).translate(digits)}**" in TEXT
-    assert f"≥ {LEAST_SKILL}**" in TEXT
+    assert f"≥ {LEAST_KAPPA}**" in TEXT
 
 
 def row(parameter: Parameter) -> str:

@@ -1,4 +1,14 @@
-"""Stage `pose`, first half: a first pose from points on the pad's plane, both planar answers."""
+"""Stage `pose`, first half: a first pose from points on the pad's plane, both planar answers.
+
+The closed form is infinitesimal plane-based pose estimation (IPPE); Levenberg and Marquardt's
+least squares follow.
+
+References
+----------
+Collins, T. and Bartoli, A. (2014). Infinitesimal plane-based pose estimation.
+doi:10.1007/s11263-014-0725-5. Schweighofer, G. and Pinz, A. (2006). Robust pose estimation from a
+planar target. doi:10.1109/TPAMI.2006.252 (both answers of a plane).
+"""
 
 from __future__ import annotations
 
@@ -51,11 +61,6 @@ def planar_pose(points_mm: Array, rays: Array) -> PlanarPose | None:
     -------
     PlanarPose or None
         None where the points leave the pose undetermined.
-
-    References
-    ----------
-    Collins, T. and Bartoli, A. (2014). Infinitesimal plane-based pose estimation.
-    doi:10.1007/s11263-014-0725-5
     """
     starts = _closed_form(points_mm, rays) + _from_homography(points_mm, rays)
     if not starts:

@@ -105,8 +105,8 @@ def fit_mirrored(
     )
     sine = math.sqrt((axis * axis).sum())
     # Twice the angle between them; a plane seen straight on is its own mirror image.
-    turn = 2 * math.atan2(sine, -(normal * sight).sum())
-    other = turned(rotation, axis * (turn / max(sine, 1e-12)))
+    angle = 2 * math.atan2(sine, -(normal * sight).sum())
+    other = turned(rotation, axis * (angle / max(sine, 1e-12)))
     start = np.empty(3)
     for k in range(3):
         start[k] = middle[k] - distance * (other[k] * sight).sum()

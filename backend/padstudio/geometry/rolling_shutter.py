@@ -1,4 +1,12 @@
-"""A pose that may change while a rolling shutter reads the frame."""
+"""A pose that may change while a rolling shutter reads the frame.
+
+It changes steadily: each row is seen from a pose of its own, linear in the time of the row.
+
+References
+----------
+Meingast, M., Geyer, C. and Sastry, S. (2005). Geometric models of rolling-shutter cameras.
+arXiv:cs/0503076.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +95,7 @@ class MovingPose:
     def moved(self, step: Array) -> MovingPose:
         """The pose after a step (6,) as of `Pose.step_to`, or (12,) with those of the changes."""
         rotation = self.pose.rotation @ rotation_from_vector(step[3:6])
-        # One step of Newton's toward the nearest rotation takes away what rounding adds.
+        # One step of Newton and Schulz toward the nearest rotation takes away what rounding adds.
         rotation = rotation @ (1.5 * np.eye(3) - 0.5 * (rotation.T @ rotation))
         pose = Pose(self.pose.position_mm + step[:3], rotation)
         if len(step) == 6:

@@ -38,12 +38,12 @@ def solve(matrix: Array, right: Array) -> tuple[bool, Array]:
 
 
 @fast_jit
-def turned(rotation: Array, turn: Array) -> Array:
+def turned(rotation: Array, rotvec: Array) -> Array:
     """A rotation followed by a rotation vector in its own frame (Rodrigues), kept orthonormal."""
-    angle = math.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    angle = math.sqrt(rotvec[0] ** 2 + rotvec[1] ** 2 + rotvec[2] ** 2)
     a = 1 - angle * angle / 6 if angle < 1e-4 else math.sin(angle) / angle
     b = 0.5 - angle * angle / 24 if angle < 1e-4 else (1 - math.cos(angle)) / (angle * angle)
-    w0, w1, w2 = turn
+    w0, w1, w2 = rotvec
     skew = np.array([[0.0, -w2, w1], [w2, 0.0, -w0], [-w1, w0, 0.0]])
     step, out, square = np.eye(3), np.zeros((3, 3)), np.zeros((3, 3))
     for i in range(3):
@@ -55,7 +55,7 @@ def turned(rotation: Array, turn: Array) -> Array:
         for j in range(3):
             for k in range(3):
                 out[i, j] += rotation[i, k] * step[k, j]
-    # One step of Newton's toward the nearest rotation takes away what rounding adds.
+    # One step of Newton and Schulz toward the nearest rotation takes away what rounding adds.
     for i in range(3):
         for j in range(3):
             for k in range(3):

@@ -47,7 +47,7 @@ def test_every_turn_and_place_is_found(which, turn, place, shape, beyond, wrong,
     found = index.locate(cells)
     assert found is not None
     np.testing.assert_array_equal(found.expected, expected)
-    assert found.turn == turn
+    assert found.quarter_turns == turn
     # The first cell's middle, by the map and by the turned field itself.
     numbers = np.arange(field.size).reshape(field.shape)
     turned = crop_numbers(np.rot90(numbers, -turn), row, col, shape)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from padstudio.vision.cells.correlation import LayerIndex
-from padstudio.vision.cells.evidence import LEAST_SKILL, Evidence, judge
+from padstudio.vision.cells.evidence import LEAST_KAPPA, Evidence, judge
 
 COUNTS = st.integers(1, 400)
 # Patches as a picture may show them, in cells.
@@ -57,7 +57,7 @@ def test_more_agreement_is_never_weaker_evidence(read, levels, places):
     evidence = [judge(*agreeing(read, agree, levels), levels, places) for agree in steps]
     values = [item.log10_false_alarm for item in evidence]
     assert values == sorted(values, reverse=True)
-    assert [item.skill for item in evidence] == sorted(item.skill for item in evidence)
+    assert [item.kappa for item in evidence] == sorted(item.kappa for item in evidence)
     assert [item.wrong for item in evidence] == [read - agree for agree in steps]
 
 
@@ -102,7 +102,7 @@ def test_many_cells_that_agree_a_little_do_not_suffice():
     found, expected = agreeing(100_000, 60_000)
     evidence = judge(found, expected, 2, 60_000)
     assert evidence.log10_false_alarm < -100
-    assert evidence.skill < LEAST_SKILL
+    assert evidence.kappa < LEAST_KAPPA
     assert not evidence.suffices(-7)
 
 

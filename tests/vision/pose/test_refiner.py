@@ -63,7 +63,7 @@ def test_cells_read_with_the_true_pose_agree_and_with_another_do_not():
     wrong = work.read(BLUE, MovingPose(look_at_pad(600.0, target_mm=(170, 90))))
     assert right is not None
     assert wrong is not None
-    assert right.evidence.skill > 0.95
+    assert right.evidence.kappa > 0.95
     assert not wrong.evidence.suffices(-6)
     away = work.read(BLUE, MovingPose(look_at_pad(600.0, target_mm=(9000, 0))))
     assert away is None

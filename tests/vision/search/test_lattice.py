@@ -42,7 +42,7 @@ def test_whole_numbers_lie_on_corners(channel, height_mm, tilt_deg, lens):
         frame_of(pose, camera=camera), channel, camera, level=level, steep=tilt_deg > 45
     )
     assert lattice is not None
-    assert lattice.order > 0.75
+    assert lattice.inlier_share > 0.75
     true = corners_px(camera, pose, sample_pad(), channel).reshape(-1, 2)
     inside = (true > 5).all(axis=1) & (true < [camera.width - 6, camera.height - 6]).all(axis=1)
     rays = np.column_stack([camera.normalize(true[inside]), np.ones(inside.sum())])
@@ -71,7 +71,7 @@ def test_noise_has_no_order():
     rng = np.random.default_rng(9)
     image = rng.integers(0, 255, (480, 640, 3), dtype=np.uint8)
     lattice = lattice_in(image, "red", small_camera())
-    assert lattice is None or lattice.order < 0.6
+    assert lattice is None or lattice.inlier_share < 0.6
 
 
 @pytest.mark.parametrize("cells_across", [4.5, 5.0, 5.5, 6.0])

@@ -3,7 +3,12 @@
 The whole patch of read cells is correlated with the pad's field at all places and in all four
 turns at once, by Fourier transform: every cell in view votes, a misread one costs one vote, and
 views with less than a full window count as well. `padstudio.vision.cells.evidence` then judges the
-best place by the levels read blind.
+best place by the levels read blind. It is template matching by cross-correlation in the Fourier
+domain, normalized by the template's energy in the overlap.
+
+References
+----------
+Lewis, J. P. (1995). Fast normalized cross-correlation. Vision Interface.
 """
 
 from __future__ import annotations
@@ -35,7 +40,7 @@ class Placement:
     Attributes
     ----------
     layer : Layer
-    turn : int
+    quarter_turns : int
         Counter-clockwise quarter turns that take the read patch to the field.
     pad_from_lattice : (3, 3) float64
         Takes homogeneous lattice coordinates (column, row, 1) of the picture to those of the
@@ -47,7 +52,7 @@ class Placement:
     """
 
     layer: Layer
-    turn: int
+    quarter_turns: int
     pad_from_lattice: Array
     evidence: Evidence
     cells: CellGrid
@@ -91,20 +96,20 @@ class LayerIndex:
         signal = np.fft.rfft2(patch, (side, side)).conj()
         energy = np.fft.rfft2(patch * patch, (side, side)).conj()
         best: tuple[float, int, int, int] | None = None
-        for turn, (field, ones) in enumerate(self._spectrum(side)):
+        for quarters, (field, ones) in enumerate(self._spectrum(side)):
             match = np.fft.irfft2(field * signal, (side, side))
             weight = np.fft.irfft2(ones * energy, (side, side))
             score = match / np.sqrt(np.maximum(weight, _LEAST_OVERLAP))
             peak = int(np.argmax(score))
             if best is None or score.flat[peak] > best[0]:
-                best = (float(score.flat[peak]), turn, *divmod(peak, side))
+                best = (float(score.flat[peak]), quarters, *divmod(peak, side))
         assert best is not None
-        _, turn, row, col = best
-        shape = self.layer.field.shape if turn % 2 == 0 else self.layer.field.shape[::-1]
+        _, quarters, row, col = best
+        shape = self.layer.field.shape if quarters % 2 == 0 else self.layer.field.shape[::-1]
         # A peak in the upper part of the cyclic range stands for a negative shift.
         row = row - side if row >= shape[0] else row
         col = col - side if col >= shape[1] else col
-        return self._placement(cells, turn, row - top, col - left, attempts)
+        return self._placement(cells, quarters, row - top, col - left, attempts)
 
     def _spectrum(self, side: int) -> list[tuple[Spectrum, Spectrum]]:
         """Transforms of the field and of its support, turned clockwise by 0 … 3 quarters."""
@@ -113,19 +118,19 @@ class LayerIndex:
             self._spectra = {
                 side: [
                     (
-                        np.fft.rfft2(np.rot90(self._relative, -turn), (side, side)),
-                        np.fft.rfft2(np.rot90(ones, -turn), (side, side)),
+                        np.fft.rfft2(np.rot90(self._relative, -quarters), (side, side)),
+                        np.fft.rfft2(np.rot90(ones, -quarters), (side, side)),
                     )
-                    for turn in range(4)
+                    for quarters in range(4)
                 ]
             }
         return self._spectra[side]
 
     def _placement(
-        self, cells: CellGrid, turn: int, row: int, col: int, attempts: int
+        self, cells: CellGrid, quarters: int, row: int, col: int, attempts: int
     ) -> Placement | None:
         """The place where the patch's first cell lies in the field turned clockwise."""
-        turned = np.rot90(self.layer.field, -turn)
+        turned = np.rot90(self.layer.field, -quarters)
         expected = crop(turned, row, col, cells.values.shape)
         rows, cols = cells.values.shape
         places = 4 * (self.layer.rows + rows) * (self.layer.cols + cols)
@@ -133,8 +138,8 @@ class LayerIndex:
             cells.levels(self.pad.levels), expected, self.pad.levels, places * attempts
         )
         shift = np.array([[1.0, 0, col - cells.column0], [0, 1.0, row - cells.row0], [0, 0, 1]])
-        to_pad = _turn_back(turn, turned.shape) @ shift
-        return Placement(self.layer, turn, to_pad, evidence, cells, expected)
+        to_pad = _turned_back(quarters, turned.shape) @ shift
+        return Placement(self.layer, quarters, to_pad, evidence, cells, expected)
 
 
 def crop(field: NDArray[np.uint8], row: int, col: int, shape: tuple[int, int]) -> NDArray[np.int8]:
@@ -157,7 +162,7 @@ def _middle(
     return top, left, patch[top : top + _PATCH, left : left + _PATCH]
 
 
-def _turn_back(turn: int, shape: tuple[int, ...]) -> Array:
+def _turned_back(quarters: int, shape: tuple[int, ...]) -> Array:
     """Lattice coordinates of a field turned clockwise to those of the field itself."""
     rows, cols = shape
     turns = {
@@ -166,4 +171,4 @@ def _turn_back(turn: int, shape: tuple[int, ...]) -> Array:
         2: [[-1.0, 0, cols], [0, -1.0, rows], [0, 0, 1]],
         3: [[0.0, -1, rows], [1.0, 0, 0], [0, 0, 1]],
     }
-    return np.array(turns[turn])
+    return np.array(turns[quarters])

@@ -7,6 +7,15 @@ probability of at most M · P(Binomial(N, q) ≥ k). A match counts where that b
 `DetectorParams.log10_false_alarm`, and the share of agreeing cells stands clear of q whatever
 N is: neighbouring "cells" of a picture that is no pad are not independent, so that a large N
 alone must not win.
+
+The bound is that of an a-contrario test (the number of false alarms); the share of the way from
+chance to perfect agreement is Cohen's kappa, with q for the agreement by chance.
+
+References
+----------
+Desolneux, A., Moisan, L. and Morel, J.-M. (2000). Meaningful alignments.
+doi:10.1023/A:1026593302236. Cohen, J. (1960). A coefficient of agreement for nominal scales.
+doi:10.1177/001316446002000104.
 """
 
 from __future__ import annotations
@@ -19,8 +28,8 @@ from numpy.typing import NDArray
 
 from padstudio.vision.cells import cells_kernel
 
-#: Least share of the way from chance to perfect agreement, (k/N − q) / (1 − q).
-LEAST_SKILL = 0.45
+#: Least kappa, (k/N − q) / (1 − q).
+LEAST_KAPPA = 0.45
 
 
 @dataclass(frozen=True)
@@ -34,18 +43,18 @@ class Evidence:
     log10_false_alarm : float
         Base-10 logarithm of the bound on the chance that a picture without this pad agrees as
         well at any place.
-    skill : float
-        Share of the way from chance agreement (0) to perfect agreement (1).
+    kappa : float
+        Chance-corrected agreement: 0 by chance, 1 perfect.
     """
 
     read: int
     wrong: int
     log10_false_alarm: float
-    skill: float
+    kappa: float
 
-    def suffices(self, log10_false_alarm: float, *, least_skill: float = LEAST_SKILL) -> bool:
+    def suffices(self, log10_false_alarm: float, *, least_kappa: float = LEAST_KAPPA) -> bool:
         """True where a pose may rest on it."""
-        return self.skill >= least_skill and self.log10_false_alarm <= log10_false_alarm
+        return self.kappa >= least_kappa and self.log10_false_alarm <= log10_false_alarm
 
     def compared_with(self, log10_false_alarm: float) -> str:
         """The bound that was reached and the one that is needed, for a sentence."""
@@ -76,7 +85,7 @@ def judge(
         read=read,
         wrong=read - agree,
         log10_false_alarm=_log10_bound(read, agree, chance, places),
-        skill=(agree / read - chance) / (1 - chance) if read else 0.0,
+        kappa=(agree / read - chance) / (1 - chance) if read else 0.0,
     )
 
 

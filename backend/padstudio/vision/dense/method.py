@@ -53,7 +53,7 @@ _FAR_SIDE_PX = 800
 # While following, layers with cells of this width and number must agree.
 _READABLE_PX, _ENOUGH = 5.0, 30
 # Where so many cells of the fitted layer agree, a lock cannot have slipped.
-_SURE_BOUND, _SURE_SKILL = -30.0, 0.8
+_SURE_BOUND, _SURE_KAPPA = -30.0, 0.8
 
 
 class Dense:
@@ -202,4 +202,4 @@ class Dense:
         bound = self.params.log10_false_alarm
         if refiner.attempts:
             return evidence.suffices(bound)
-        return evidence.suffices(min(bound, _SURE_BOUND), least_skill=_SURE_SKILL)
+        return evidence.suffices(min(bound, _SURE_BOUND), least_kappa=_SURE_KAPPA)

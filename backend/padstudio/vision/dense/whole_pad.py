@@ -26,7 +26,7 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 
 # With the sign's own outline there are four places to choose from instead of thousands, so cells
 # that are too small to be read without errors suffice.
-_LEAST_SKILL = 0.3
+_LEAST_KAPPA = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
     if best is None:
         return StageFailure("outline", Reason.NO_OUTLINE, "the outline's corners give no pose")
     bound = refiner.params.log10_false_alarm
-    if not best.read.evidence.suffices(bound, least_skill=_LEAST_SKILL):
+    if not best.read.evidence.suffices(bound, least_kappa=_LEAST_KAPPA):
         return another_sign(best.read)
     return best
 
@@ -97,8 +97,8 @@ def readable_poses(outline: Outline, refiner: Refiner) -> list[MovingPose]:
     best: tuple[float, list[MovingPose]] = (-np.inf, [])
     for poses in poses_of(outline, refiner.pad):
         read = _read_coarse(refiner, poses[0])
-        if read is not None and read.evidence.suffices(0.0) and read.evidence.skill > best[0]:
-            best = (read.evidence.skill, poses)
+        if read is not None and read.evidence.suffices(0.0) and read.evidence.kappa > best[0]:
+            best = (read.evidence.kappa, poses)
     return best[1]
 
 
@@ -122,6 +122,6 @@ def _read_coarse(refiner: Refiner, pose: MovingPose) -> LayerRead | None:
 def _surer(a: WholeSign, b: WholeSign) -> bool:
     """Cells that agree decide; of two poses that read alike, the better match."""
     left, right = a.read.evidence, b.read.evidence
-    if abs(left.skill - right.skill) > 0.02:
-        return left.skill > right.skill
+    if abs(left.kappa - right.kappa) > 0.02:
+        return left.kappa > right.kappa
     return a.fit.rms_px < b.fit.rms_px

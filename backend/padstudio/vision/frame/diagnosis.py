@@ -38,7 +38,7 @@ _SAMPLE = 512
 
 
 @dataclass(frozen=True)
-class Suspect:
+class FrameEvidence:
     """What the frame is examined with.
 
     Attributes
@@ -70,7 +70,7 @@ class Suspect:
 
 def examine(
     image: Image, pad: Pad, camera: Camera, params: PrepareParams, recorder: Recorder
-) -> Suspect:
+) -> FrameEvidence:
     """What every method begins with: the frame prepared, its grey values, and where the pad can be.
 
     Parameters
@@ -93,15 +93,15 @@ def examine(
     pyramid = prepare(image, pad, params, recorder)
     stretch = recorder.run("stretch", None, find_stretch, pyramid)
     regions = recorder.run("clean", None, find_regions, pyramid, pad)
-    return Suspect(pyramid, camera, pad, stretch, regions)
+    return FrameEvidence(pyramid, camera, pad, stretch, regions)
 
 
-def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:
+def diagnose(frame: FrameEvidence, failure: StageFailure) -> StageFailure:
     """The likeliest cause of a failure, with figures and advice.
 
     Parameters
     ----------
-    suspect : Suspect
+    frame : FrameEvidence
     failure : StageFailure
         What the stage that came nearest to an answer says.
 
@@ -113,7 +113,7 @@ def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:
     # Few cells that agree are in good light: they are too near, or too far away.
     checks = (_size,) if failure.reason is Reason.TOO_FEW_CELLS else _CHECKS
     for check in checks:
-        for reason, detail, advice in check(suspect):
+        for reason, detail, advice in check(frame):
             return replace(
                 failure, reason=reason, detail=f"{detail}; {failure.detail}", advice=advice
             )
@@ -123,8 +123,8 @@ def diagnose(suspect: Suspect, failure: StageFailure) -> StageFailure:
 Finding = tuple[Reason, str, str]
 
 
-def _light(suspect: Suspect) -> Iterator[Finding]:
-    stretch = suspect.stretch
+def _light(frame: FrameEvidence) -> Iterator[Finding]:
+    stretch = frame.stretch
     top = max(stretch.high)
     if stretch.bright > _BURNT:
         yield (
@@ -139,7 +139,7 @@ def _light(suspect: Suspect) -> Iterator[Finding]:
             "raise exposure or gain, or light the pad",
         )
     contrast = max(h - low for h, low in zip(stretch.high, stretch.low, strict=True))
-    if contrast < 2 * _LEAST_RANGE and suspect.stretch.dark < 0.5:
+    if contrast < 2 * _LEAST_RANGE and frame.stretch.dark < 0.5:
         yield (
             Reason.NO_CONTRAST,
             f"the picture is nearly flat: its grey values span {contrast:.0f} of 255",
@@ -147,19 +147,19 @@ def _light(suspect: Suspect) -> Iterator[Finding]:
         )
 
 
-def _size(suspect: Suspect) -> Iterator[Finding]:
+def _size(frame: FrameEvidence) -> Iterator[Finding]:
     """Cells too small or too large, judged by the size of what has the pad's colour."""
-    if not suspect.seen:
+    if not frame.seen:
         return
-    pad, box = suspect.pad, suspect.box
+    pad, box = frame.pad, frame.box
     coarse = max(layer.cell_mm for layer in pad.layers)
     width_px = max(box.x1 - box.x0, box.y1 - box.y0) / 1.15
     touches = box.x0 <= 0 or box.y0 <= 0
-    touches = touches or box.x1 >= suspect.pyramid.width or box.y1 >= suspect.pyramid.height
+    touches = touches or box.x1 >= frame.pyramid.width or box.y1 >= frame.pyramid.height
     cell_px = width_px * coarse / math.hypot(*pad.size_mm)
     if touches or cell_px >= _LEAST_CELL_PX:
         return
-    height_m = suspect.camera.focal_px * coarse / _LEAST_CELL_PX / 1000
+    height_m = frame.camera.focal_px * coarse / _LEAST_CELL_PX / 1000
     yield (
         Reason.CELLS_TOO_SMALL,
         f"the largest cells are about {cell_px:.1f} px wide here, {_LEAST_CELL_PX:.0f} are needed",
@@ -167,14 +167,14 @@ def _size(suspect: Suspect) -> Iterator[Finding]:
     )
 
 
-def _blur(suspect: Suspect) -> Iterator[Finding]:
+def _blur(frame: FrameEvidence) -> Iterator[Finding]:
     """Motion blur flattens steps across its direction and leaves those along it.
 
     Only where the pad's colour is seen: other things may well have edges of one direction.
     """
-    if not suspect.seen:
+    if not frame.seen:
         return
-    plane = _sample(suspect)
+    plane = _sample(frame)
     energy = []
     angles = np.arange(0, 180, 15)
     gx, gy = (cv2.Sobel(plane, cv2.CV_32F, *axes, ksize=3) / 8 for axes in ((1, 0), (0, 1)))
@@ -195,12 +195,12 @@ def _blur(suspect: Suspect) -> Iterator[Finding]:
     )
 
 
-def _inks(suspect: Suspect) -> Iterator[Finding]:
+def _inks(frame: FrameEvidence) -> Iterator[Finding]:
     """The layers are coded apart, so their channels should not go together."""
-    channels = [layer.channel for layer in suspect.pad.layers]
-    if len(channels) < 2 or not suspect.seen:
+    channels = [layer.channel for layer in frame.pad.layers]
+    if len(channels) < 2 or not frame.seen:
         return
-    first, second = (_sample(suspect, channel) for channel in channels[:2])
+    first, second = (_sample(frame, channel) for channel in channels[:2])
     a, b = (plane - cv2.blur(plane, (31, 31)) for plane in (first, second))
     spread = float(a.std() * b.std())
     if spread < 1.0:
@@ -214,19 +214,19 @@ def _inks(suspect: Suspect) -> Iterator[Finding]:
         )
 
 
-def _sample(suspect: Suspect, channel: str | None = None) -> NDArray[np.float32]:
+def _sample(frame: FrameEvidence, channel: str | None = None) -> NDArray[np.float32]:
     """The middle of the likeliest part of the frame, at its own scale, stretched."""
-    box, side = suspect.box, _SAMPLE // 2
+    box, side = frame.box, _SAMPLE // 2
     x, y = (box.x0 + box.x1) // 2, (box.y0 + box.y1) // 2
     part = Box(
         max(box.x0, x - side), max(box.y0, y - side), min(box.x1, x + side), min(box.y1, y + side)
     )
-    layer = next(item for item in suspect.pad.layers if channel in (None, item.channel))
-    values = suspect.pyramid.plane(layer.channel, 0, part).values
-    return np.asarray(values * np.float32(suspect.stretch.gain(layer.channel)), np.float32)
+    layer = next(item for item in frame.pad.layers if channel in (None, item.channel))
+    values = frame.pyramid.plane(layer.channel, 0, part).values
+    return np.asarray(values * np.float32(frame.stretch.gain(layer.channel)), np.float32)
 
 
-_CHECKS: tuple[Callable[[Suspect], Iterator[Finding]], ...] = (_light, _size, _inks, _blur)
+_CHECKS: tuple[Callable[[FrameEvidence], Iterator[Finding]], ...] = (_light, _size, _inks, _blur)
 
 _ADVICE = {
     Reason.NO_EDGES: "check that the pad is in view and in focus",

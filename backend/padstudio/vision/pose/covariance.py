@@ -2,7 +2,9 @@
 
 Residuals near each other in the picture are alike: they share pixels, blocks of compression, what
 the lens model leaves over. Taken for independent they promise too much. So the picture is divided
-into tiles, and the scatter of the tiles' sums of scores stands for that of single residuals.
+into tiles, and the scatter of the tiles' sums of scores stands for that of single residuals: the
+cluster-robust ("sandwich") covariance. What is known beforehand, or left out of the model, enters
+as consider parameters.
 
 References
 ----------

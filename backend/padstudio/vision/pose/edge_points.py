@@ -1,4 +1,14 @@
-"""The borders between cells of unlike level: what the pose is measured on."""
+"""The borders between cells of unlike level: what the pose is measured on.
+
+Model-based edge tracking: steps are looked for along the normals of the borders that a pose
+predicts.
+
+References
+----------
+Harris, C. and Stennett, C. (1990). RAPID, a video rate object tracker. British Machine Vision
+Conference. Drummond, T. and Cipolla, R. (2002). Real-time visual tracking of complex structures.
+doi:10.1109/TPAMI.2002.1017620.
+"""
 
 from __future__ import annotations
 

@@ -3,9 +3,18 @@
 Each border's measured point must lie on the border's predicted line; the distance is measured on
 the plane z = 1, undistorted. With p the border's point in the camera frame, x = p/z its picture
 and n the normal of the border's picture, the distance is (ray − x)·n; from p = Rᵀ(P − C) follow
-dp/dC = −Rᵀ and, for a turn w of the camera, dp = −w × p. A rolling shutter reads rows one after
-another, so a second model lets the pose change steadily from top to bottom; it is taken only
-where the residuals ask for it.
+dp/dC = −Rᵀ and, for a rotation vector w of the camera, dp = −w × p. A rolling shutter reads rows
+one after another, so a second model lets the pose change steadily from top to bottom; it is taken
+only where the residuals ask for it.
+
+Solved by Gauss–Newton with iteratively reweighted least squares (IRLS) and the weights
+1/(1 + x²)² of Geman and McClure.
+
+References
+----------
+Holland, P. W. and Welsch, R. E. (1977). Robust regression using iteratively reweighted
+least-squares. doi:10.1080/03610927708827533. Geman, S. and McClure, D. E. (1987). Statistical
+methods for tomographic image reconstruction. Bulletin of the ISI 52.
 """
 
 from __future__ import annotations

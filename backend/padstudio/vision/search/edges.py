@@ -60,15 +60,21 @@ class EdgeSet:
 def find_edges(plane: Plane, camera: Camera) -> EdgeSet:
     """Thin, sub-pixel edge points of a plane.
 
-    Gradients by Scharr, kept where they are the largest along the gradient's main axis and stand
-    out of their neighbourhood, so that dim parts keep their edges; position by the parabola
-    through three gradient values.
+    Gradients by Scharr, kept where they are the largest along the gradient's main axis
+    (non-maximum suppression) and stand out of their neighbourhood, so that dim parts keep their
+    edges; position by the parabola through three gradient values.
 
     Parameters
     ----------
     plane : Plane
     camera : Camera
         Undistorts the points.
+
+    References
+    ----------
+    Canny, J. (1986). A computational approach to edge detection. doi:10.1109/TPAMI.1986.4767851.
+    Devernay, F. (1995). A non-maxima suppression method for edge detection with sub-pixel accuracy.
+    INRIA research report 2724.
     """
     smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
     gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0, scale=1 / 32), np.float32)

@@ -2,7 +2,12 @@
 
 From the clearest part outward: edges are put to the nearest grid line, a plane projective map
 from the tilted plane to lattice coordinates is fitted by least squares, and the circle of edges
-that count grows, so that the map is always good enough to number the next lines.
+that count grows, so that the map is always good enough to number the next lines. The map is a
+homography, found by the direct linear transform with Cauchy weights, iteratively reweighted.
+
+References
+----------
+Hartley, R. and Zisserman, A. (2004). Multiple View Geometry in Computer Vision, chapter 4.
 """
 
 from __future__ import annotations
@@ -41,7 +46,7 @@ class Lattice:
         Takes homogeneous lattice coordinates (column, row, 1) to camera rays, up to scale.
     columns, rows : (first, last)
         Range of lattice coordinates that edges support; cells lie between whole numbers.
-    order : float
+    inlier_share : float
         Share of edges that lie on lines, 0.28 by chance … 1.
     edge_count : int
         Edges that lie on lines.
@@ -51,7 +56,7 @@ class Lattice:
     ray_from_lattice: Array
     columns: tuple[int, int]
     rows: tuple[int, int]
-    order: float
+    inlier_share: float
     edge_count: int
     families: LineFamilies
 
@@ -116,9 +121,9 @@ def _settled(fit: Array, edges: OnPlane, radius: float) -> Array:
 
 
 def _best(grown: Array, settled: Array, families: LineFamilies) -> Lattice | None:
-    """The better ordered of two maps."""
+    """Of two maps the one with more inliers."""
     found = [item for item in (_lattice(fit, families) for fit in (settled, grown)) if item]
-    return max(found, key=lambda item: item.order, default=None)
+    return max(found, key=lambda item: item.inlier_share, default=None)
 
 
 def _coordinates(fit: Array, u: Array, v: Array) -> tuple[Array, Array]:
@@ -198,7 +203,7 @@ def _lattice(fit: Array, families: LineFamilies) -> Lattice | None:
         ray_from_lattice=np.linalg.inv(lattice_from_ray),
         columns=(int(np.floor(low[0] + 0.3)), int(np.ceil(low[1] - 0.3))),
         rows=(int(np.floor(high[0] + 0.3)), int(np.ceil(high[1] - 0.3))),
-        order=good / max(on, 1),
+        inlier_share=good / max(on, 1),
         edge_count=good,
         families=families,
     )

@@ -1,6 +1,11 @@
 """Stage `lines`, dense, second half: which edges lie on grid lines, and the lines' spacing.
 
-The spacing is one frequency common to both families' edge positions along the axes.
+The spacing is one frequency common to both families' edge positions along the axes: the peak of
+periodograms averaged over tiles of the picture.
+
+References
+----------
+Bartlett, M. S. (1950). Periodogram analysis and continuous spectra. Biometrika 37.
 """
 
 from __future__ import annotations

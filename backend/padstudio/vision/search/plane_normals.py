@@ -10,6 +10,13 @@ Each edge is weighted by how much the plane's angle turns for a turn in the pict
 of no order give zero for every normal; the norm is that of Cauchy and Schwarz, so that a few heavy
 edges cannot win. Near edges count for more, as cells shrink with distance, and a plane that most
 edges cannot lie on, being behind the camera there, loses their share.
+
+This is a search for orthogonal vanishing points on the Gaussian sphere, over the normal of their
+plane instead of the points themselves.
+
+References
+----------
+Barnard, S. T. (1983). Interpreting perspective images. Artificial Intelligence 21(4).
 """
 
 from __future__ import annotations

@@ -71,7 +71,7 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
     Yields
     ------
     Sighting
-        Lattices whose cells agree with the pad, as they are found: the well-ordered ones of a
+        Lattices whose cells agree with the pad, as they are found: those with most inliers of a
         round first, then the others, the round of steep planes last.
     Miss
         At the end: what came nearest, for the diagnosis.
@@ -88,7 +88,7 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
                 if isinstance(lattice, StageFailure):
                     nearest = _nearer(nearest, Miss(lattice, region, level))
                     continue
-                if lattice.order < _CLEAR_ORDER:
+                if lattice.inlier_share < _CLEAR_SHARE:
                     unsure.append((lattice, region))
                     continue
                 placed = place(frame, lattice, region)
@@ -96,7 +96,8 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
                     yield placed
                 else:
                     nearest = _nearer(nearest, placed)
-        for lattice, region in sorted(unsure, key=lambda item: -item[0].order)[:_MOST_UNSURE]:
+        unsure.sort(key=lambda item: -item[0].inlier_share)
+        for lattice, region in unsure[:_MOST_UNSURE]:
             placed = place(frame, lattice, region)
             if isinstance(placed, Sighting):
                 yield placed
@@ -122,8 +123,9 @@ def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region
                 yield region.middle(params.finest_px << level), level
 
 
-# Lattices of less order are tried only when a round has found no better one, and not many.
-_CLEAR_ORDER = 0.85
+# Lattices of a smaller share of inliers are tried only when a round has found no better one, and
+# not many.
+_CLEAR_SHARE = 0.85
 _MOST_UNSURE = 6
 # Axes that edges agree with so little are not worth a look.
 _LEAST_COHERENCE = 0.12
@@ -164,7 +166,7 @@ def _edges_in(plane: Plane, camera: Camera, region: Region) -> EdgeSet:
 def _lattice(
     frame: Search, edges: EdgeSet, channel: Channel, *, steep: bool
 ) -> Lattice | StageFailure:
-    """The best-ordered lattice over the candidate axes."""
+    """The lattice of most inliers over the candidate axes."""
     recorder = frame.recorder
     best: Lattice | None = None
     coherence = 0.0
@@ -176,9 +178,9 @@ def _lattice(
         if families is None:
             continue
         lattice = recorder.run("grid", channel, find_lattice, families)
-        if lattice is not None and (best is None or lattice.order > best.order):
+        if lattice is not None and (best is None or lattice.inlier_share > best.inlier_share):
             best = lattice
-        if best is not None and best.order > 0.9:
+        if best is not None and best.inlier_share > 0.9:
             break
     if best is None:
         return StageFailure(
@@ -187,11 +189,11 @@ def _lattice(
             f"{len(edges.xy)} edge points in {channel} show no two directions at right angles "
             f"(agreement {coherence:.2f} of 1)",
         )
-    if best.order < frame.params.search.least_order:
+    if best.inlier_share < frame.params.search.least_order:
         return StageFailure(
             "grid",
             Reason.NO_LATTICE,
-            f"{100 * best.order:.0f} % of the edge points in {channel} lie on an even grid, "
+            f"{100 * best.inlier_share:.0f} % of the edge points in {channel} lie on an even grid, "
             f"{100 * frame.params.search.least_order:.0f} % are needed; chance gives 28 %",
         )
     recorder.note("grid", channel, best)
@@ -226,7 +228,7 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
             continue
         if placement.evidence.suffices(frame.params.log10_false_alarm):
             return Sighting(lattice, placement, region)
-        if best is None or placement.evidence.skill > best.evidence.skill:
+        if best is None or placement.evidence.kappa > best.evidence.kappa:
             best = placement
     level = lattice.families.edges.plane.level
     if best is None:
@@ -235,7 +237,7 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
     evidence = best.evidence
     failure = StageFailure(
         "decode",
-        Reason.TOO_FEW_CELLS if evidence.skill > _ALIKE else Reason.UNKNOWN_CODE,
+        Reason.TOO_FEW_CELLS if evidence.kappa > _ALIKE else Reason.UNKNOWN_CODE,
         f"read {evidence.read} cells; at the best place of this pad {evidence.wrong} differ "
         f"({evidence.compared_with(frame.params.log10_false_alarm)})",
     )
