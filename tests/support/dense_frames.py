@@ -18,7 +18,7 @@ from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import find_regions
 from padstudio.vision.pose.edge_points import visible_borders
 from padstudio.vision.search.edges import find_edges
-from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.params import DetectorParams, SearchParams
 from padstudio.vision.stage.trace import Recorder
 
 __all__ = ["errors", "frame_of", "sample_pad", "small_camera"]
@@ -60,7 +60,7 @@ def near_view():
 def edges_of(image, channel="red", level=0, camera=None):
     pyramid = Pyramid(image)
     plane = take_channel(pyramid, find_stretch(pyramid), channel, level)
-    edges = find_edges(plane, camera or small_camera())
+    edges = find_edges(plane, camera or small_camera(), SearchParams())
     region = find_regions(pyramid, sample_pad())[0]
     return edges.take(region.holds(edges.xy))
 

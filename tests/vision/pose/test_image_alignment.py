@@ -19,7 +19,7 @@ def view(pose, imaging=None):
 
 
 def matched(pyramid, start):
-    return Match.of(pyramid, CAMERA, sample_pad(), start).fit(start, STILL)
+    return Match.of(pyramid, CAMERA, sample_pad(), start, 16_000).fit(start, STILL)
 
 
 @pytest.mark.parametrize("height_mm", [2500.0, 5000.0])
@@ -48,9 +48,9 @@ def test_light_that_falls_off_does_not_move_it():
 def test_a_pad_of_too_few_pixels_or_out_of_view_is_not_matched():
     pyramid = view(look_at_pad(60_000.0))
     far = MovingPose(look_at_pad(60_000.0))
-    assert Match.of(pyramid, CAMERA, sample_pad(), far) is None
+    assert Match.of(pyramid, CAMERA, sample_pad(), far, 16_000) is None
     away = MovingPose(look_at_pad(3000.0, target_mm=(9000, 0)))
-    assert Match.of(pyramid, CAMERA, sample_pad(), away) is None
+    assert Match.of(pyramid, CAMERA, sample_pad(), away, 16_000) is None
 
 
 def test_a_rough_match_tells_a_right_start_from_a_mirrored_one():
@@ -58,7 +58,7 @@ def test_a_rough_match_tells_a_right_start_from_a_mirrored_one():
     mirrored = look_at_pad(3500.0, tilt_deg=25, heading_deg=70, tilt_towards_deg=190)
     pyramid, off = view(pose), []
     for start in (pose, mirrored):
-        match = Match.of(pyramid, CAMERA, sample_pad(), MovingPose(start))
+        match = Match.of(pyramid, CAMERA, sample_pad(), MovingPose(start), 16_000)
         fit = match.fit(MovingPose(start), STILL, rough=True)
         off.append(fit.rms_px)
     assert off[0] < 0.8 * off[1]
@@ -67,7 +67,7 @@ def test_a_rough_match_tells_a_right_start_from_a_mirrored_one():
 def test_brightness_found_for_one_pose_serves_the_next():
     pose = MovingPose(look_at_pad(3000.0, tilt_deg=15, heading_deg=40))
     start = pose.moved(np.array([3.0, -2.0, 4.0, 0.0004, 0, 0.001]))
-    match = Match.of(view(pose.pose), CAMERA, sample_pad(), start)
+    match = Match.of(view(pose.pose), CAMERA, sample_pad(), start, 16_000)
     first = match.fit(start, STILL)
     again = match.fit(first.pose, STILL)
     moving = match.fit(first.pose, MOVING)

@@ -7,6 +7,7 @@ from dense_frames import small_camera
 
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.search.edges import find_edges
+from padstudio.vision.stage.params import SearchParams
 
 
 def step_plane(angle_deg, offset_px, *, low=40.0, high=180.0, blur=1.0, level=0):
@@ -24,7 +25,7 @@ def step_plane(angle_deg, offset_px, *, low=40.0, high=180.0, blur=1.0, level=0)
 @pytest.mark.parametrize("offset_px", [0.0, 0.3, -7.6])
 def test_a_step_is_found_where_it_lies(angle_deg, offset_px):
     plane, normal = step_plane(angle_deg, offset_px)
-    edges = find_edges(plane, small_camera())
+    edges = find_edges(plane, small_camera(), SearchParams())
     local = plane.from_frame(edges.xy)
     inner = (np.abs(local - 80) < 60).all(axis=1)
     off = (local[inner] - 80) @ normal - offset_px
@@ -38,7 +39,7 @@ def test_a_step_is_found_where_it_lies(angle_deg, offset_px):
 def test_rays_and_tangent_planes_are_the_cameras(level, lens):
     camera = small_camera(lens)
     plane, normal = step_plane(28.0, 1.0, level=level)
-    edges = find_edges(plane, camera)
+    edges = find_edges(plane, camera, SearchParams())
     np.testing.assert_allclose(edges.rays[:, :2], camera.normalize(edges.xy), atol=2e-3)
     np.testing.assert_allclose(np.linalg.norm(edges.lines, axis=1), 1, atol=1e-9)
     np.testing.assert_allclose((edges.rays * edges.lines).sum(axis=1), 0, atol=1e-9)
@@ -52,18 +53,18 @@ def test_dim_parts_keep_their_edges():
     bright, _ = step_plane(0.0, 0.0, low=20, high=220)
     dim, _ = step_plane(0.0, 0.0, low=20, high=30)
     both = np.vstack([bright.values, dim.values])
-    edges = find_edges(Plane(both, "red", 0, 0, 0), small_camera())
+    edges = find_edges(Plane(both, "red", 0, 0, 0), small_camera(), SearchParams())
     assert (edges.xy[:, 1] > 185).sum() > 100
 
 
 def test_noise_alone_has_few_edges_and_a_flat_plane_none():
     flat = Plane(np.full((120, 160), 90, np.float32), "red", 0, 0, 0)
-    assert len(find_edges(flat, small_camera()).xy) == 0
+    assert len(find_edges(flat, small_camera(), SearchParams()).xy) == 0
 
 
 def test_some_of_the_edges():
     plane, _ = step_plane(10.0, 0.0)
-    edges = find_edges(plane, small_camera())
+    edges = find_edges(plane, small_camera(), SearchParams())
     which = np.arange(len(edges.xy)) % 3 == 0
     some = edges.take(which)
     np.testing.assert_array_equal(some.xy, edges.xy[which])

@@ -105,9 +105,9 @@ def readable_poses(outline: Outline, refiner: Refiner) -> list[MovingPose]:
 def _matched(
     refiner: Refiner, outline: Outline, start: MovingPose, *, rough: bool
 ) -> WholeSign | None:
-    match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start)
-    rolling = refiner.params.refine.motion
-    fit = match and match.fit(start, MotionModel(moving=False, rolling=rolling), rough=rough)
+    refine = refiner.params.refine
+    match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start, refine.most_pixels)
+    fit = match and match.fit(start, MotionModel(moving=False, rolling=refine.motion), rough=rough)
     read = fit and _read_coarse(refiner, fit.pose)
     return WholeSign(fit, read, outline) if fit and read else None
 

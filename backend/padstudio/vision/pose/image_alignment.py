@@ -29,8 +29,6 @@ from padstudio.vision.pose.covariance import TILES, least_share
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior
 from padstudio.vision.pose.template import OVERSAMPLING, pixels_of, texture_of
 
-#: More pixels than this are thinned evenly: in a still, and where a pose is followed.
-MOST_PIXELS, FOLLOWED_PIXELS = 16_000, 8_000
 # Steps on a part of the pixels, as far as they serve, then on all.
 _ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
 _STEPS = 4
@@ -116,7 +114,7 @@ class Match:
 
     @classmethod
     def of(
-        cls, pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose, most: int = MOST_PIXELS
+        cls, pyramid: Pyramid, camera: Camera, pad: Pad, start: MovingPose, most: int
     ) -> Match | None:
         """The match of a pad with a frame near a pose; None where too few pixels show the pad."""
         pixels = pixels_of(pyramid, camera, pad, start, most)

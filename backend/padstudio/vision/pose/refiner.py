@@ -24,7 +24,7 @@ from padstudio.vision.pose.edge_points import (
     measure,
 )
 from padstudio.vision.pose.edge_points_kernel import Borders
-from padstudio.vision.pose.image_alignment import FOLLOWED_PIXELS, MOST_PIXELS, Match
+from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import MOVING, STILL, Fit, MotionModel, better_of, fit_pose
 from padstudio.vision.pose.results import LayerFit, RefinedPose
 from padstudio.vision.stage.params import DetectorParams
@@ -159,8 +159,8 @@ class Refiner:
 
     def prematch(self, layer_fits: list[LayerFit]) -> list[LayerFit]:
         """The layers, the last one's pose matched to some pixels of the whole pattern."""
-        last = layer_fits[-1]
-        match = Match.of(self.pyramid, self.camera, self.pad, last.pose)
+        last, refine = layer_fits[-1], self.params.refine
+        match = Match.of(self.pyramid, self.camera, self.pad, last.pose, refine.most_pixels)
         fit = None if match is None else match.fit(last.pose, STILL, rough=True)
         pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
         return [*layer_fits[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
@@ -187,7 +187,9 @@ class Refiner:
     def _match(self, last: LayerFit) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
         start = last.pose
-        most = MOST_PIXELS if self.attempts else FOLLOWED_PIXELS
+        refine = self.params.refine
+        most = refine.most_pixels
+        most = most if self.attempts else min(most, refine.followed_pixels)
         match = last.match or Match.of(self.pyramid, self.camera, self.pad, start, most)
         if match is None:
             return None

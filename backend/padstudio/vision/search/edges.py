@@ -12,14 +12,11 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import cross
 from padstudio.vision.frame.pyramid import Plane
+from padstudio.vision.stage.params import SearchParams
 
 # A step counts where it is this much above the mean step of its neighbourhood …
 _OVER_LOCAL = 1.2
 _NEIGHBOURHOOD = 31
-# More edges than this are thinned evenly.
-_MOST_EDGES = 16_000
-# … and above what noise does, grey values a pixel.
-_LEAST_STEP = 0.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +54,7 @@ class EdgeSet:
         )
 
 
-def find_edges(plane: Plane, camera: Camera) -> EdgeSet:
+def find_edges(plane: Plane, camera: Camera, params: SearchParams) -> EdgeSet:
     """Thin, sub-pixel edge points of a plane.
 
     Gradients by Scharr, kept where they are the largest along the gradient's main axis
@@ -69,6 +66,7 @@ def find_edges(plane: Plane, camera: Camera) -> EdgeSet:
     plane : Plane
     camera : Camera
         Undistorts the points.
+    params : SearchParams
 
     References
     ----------
@@ -80,9 +78,11 @@ def find_edges(plane: Plane, camera: Camera) -> EdgeSet:
     gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0, scale=1 / 32), np.float32)
     gy = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1, scale=1 / 32), np.float32)
     size = np.asarray(cv2.magnitude(gx, gy), np.float32)
-    floor = np.maximum(_OVER_LOCAL * cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD)), _LEAST_STEP)
+    floor = np.maximum(
+        _OVER_LOCAL * cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD)), params.least_step
+    )
     y, x, along_x = _peaks(gx, gy, size, floor)
-    stride = max(1, -(-len(y) // _MOST_EDGES))
+    stride = max(1, -(-len(y) // params.most_edges))
     y, x, along_x = y[::stride], x[::stride], along_x[::stride]
     here = size[y, x]
     before = np.where(along_x, size[y, x - 1], size[y - 1, x])

@@ -97,7 +97,7 @@ def sightings(frame: Search, regions: list[Region]) -> Iterator[Sighting | Miss]
                 else:
                     nearest = _nearer(nearest, placed)
         unsure.sort(key=lambda item: -item[0].inlier_share)
-        for lattice, region in unsure[:_MOST_UNSURE]:
+        for lattice, region in unsure[: frame.params.search.most_unsure]:
             placed = place(frame, lattice, region)
             if isinstance(placed, Sighting):
                 yield placed
@@ -123,10 +123,8 @@ def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region
                 yield region.middle(params.finest_px << level), level
 
 
-# Lattices of a smaller share of inliers are tried only when a round has found no better one, and
-# not many.
+# Lattices of a smaller share of inliers are tried only when a round has found no better one.
 _CLEAR_SHARE = 0.85
-_MOST_UNSURE = 6
 # Axes that edges agree with so little are not worth a look.
 _LEAST_COHERENCE = 0.12
 # Cells that agree so well, but are too few to be sure, are a matter of number.
@@ -155,11 +153,11 @@ def _find_edges(frame: Search, region: Region, level: int, channel: Channel) -> 
     plane = recorder.run(
         "channel", channel, take_channel, frame.pyramid, frame.stretch, channel, level, region.box
     )
-    return recorder.run("edges", channel, _edges_in, plane, frame.camera, region)
+    return recorder.run("edges", channel, _edges_in, plane, frame, region)
 
 
-def _edges_in(plane: Plane, camera: Camera, region: Region) -> EdgeSet:
-    edges = find_edges(plane, camera)
+def _edges_in(plane: Plane, frame: Search, region: Region) -> EdgeSet:
+    edges = find_edges(plane, frame.camera, frame.params.search)
     return edges.take(region.holds(edges.xy)) if region.mask is not None else edges
 
 

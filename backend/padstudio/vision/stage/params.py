@@ -55,6 +55,20 @@ class SearchParams(_Group):
         "A lattice is compared with the pad where at least this share of edge points lies on its "
         "lines; less reaches blurred and covered pads, and compares more in vain.",
     )  # fmt: skip
+    least_step: float = parameter(
+        0.6, 0.1, 50.0, "grey/px",
+        "An edge point's brightness changes by more than this, after the stretch; less reaches "
+        "faint print, and lets noise through.",
+    )  # fmt: skip
+    most_edges: int = parameter(
+        16_000, 1000, 1_000_000, "",
+        "More edge points than this are thinned evenly; fewer are faster, and lose small cells.",
+    )  # fmt: skip
+    most_unsure: int = parameter(
+        6, 0, 1000, "",
+        "Of the lattices with much clutter between their lines so many are compared with the pad "
+        "in each round; more reach worse frames, and take longer over frames without a pad.",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +97,15 @@ class RefineParams(_Group):
         5.0, 0.0, 100.0, "px",
         "Where the pad's finest cells are smaller than this, the pattern is matched as a whole "
         "rather than border by border.",
+    )  # fmt: skip
+    most_pixels: int = parameter(
+        16_000, 500, 10_000_000, "",
+        "In a still, the pattern as a whole is matched by at most so many pixels; more are slower "
+        "and surer.",
+    )  # fmt: skip
+    followed_pixels: int = parameter(
+        8000, 500, 10_000_000, "",
+        "The same where the last frame's pose is followed; `most_pixels` bounds it, too.",
     )  # fmt: skip
     motion: bool = switch(
         True,
