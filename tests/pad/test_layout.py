@@ -1,7 +1,15 @@
 import numpy as np
 import pytest
 
-from padstudio.pad.layout import corners_mm, crop, lattice_mm, layout, level_values, outline_mm
+from padstudio.pad.layout import (
+    corners_mm,
+    crop,
+    lattice_mm,
+    lattice_of,
+    layout,
+    level_values,
+    outline_mm,
+)
 from padstudio.pad.spec import Layer, Pad
 
 RED = np.array([[0, 1, 1, 0], [1, 0, 0, 1], [0, 0, 1, 1], [1, 1, 0, 0]])
@@ -91,7 +99,8 @@ def test_a_measured_scale_moves_corners_from_the_centre():
 def test_fractions_of_a_cell():
     pad = two_layers()
     middle = lattice_mm(pad, pad.layers[0], np.array([3.5, 0.5]))
-    np.testing.assert_allclose(middle, [[[15, 15, 0]]])
+    np.testing.assert_allclose(middle, [15, 15, 0])
+    np.testing.assert_allclose(lattice_of(pad, pad.layers[0], middle), [3.5, 0.5])
 
 
 def test_the_outline_runs_clockwise_from_the_top_left():
