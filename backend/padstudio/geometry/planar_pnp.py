@@ -21,8 +21,9 @@ from padstudio.arrays import Array
 from padstudio.geometry import planar_pnp_kernel
 from padstudio.geometry.pose import Pose, rotation_angle_deg, rotation_from_vector
 
-# Poses nearer to each other than this are one.
+# Poses nearer to each other than this are one: below what corners tell, above what rounding leaves.
 _ALIKE_DEG = 0.05
+# Levenberg and Marquardt's steps at the most; a fit that converges ends long before by itself.
 _MOST_STEPS = 30
 
 

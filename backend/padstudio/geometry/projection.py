@@ -20,7 +20,8 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.compiled import fast_inlined_jit, fast_jit
 
-# Row times are −0.5 … 0.5; those of points out of view, by extrapolation, count up to here.
+# Row times are −0.5 … 0.5; those of points out of view are extrapolated up to here: cells that the
+# rim cuts are asked for, nothing further out is.
 _LATEST = 0.6
 #: Points nearer to the camera's plane than this, mm, have no picture.
 NEAREST = 1e-6

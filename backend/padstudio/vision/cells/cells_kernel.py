@@ -12,10 +12,10 @@ from padstudio.compiled import fast_jit
 from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
 
-# So many lines of cells tell how wide they are.
+# So many lines of cells tell how wide they are; a median needs no more.
 _TELLING = 16
 # Under tilt cells narrower than this, pixels, are left to the horizon, where enough others are
-# wider.
+# wider: two pixels a cell is the sampling limit, and 60 cells of two levels are beyond chance.
 _LEAST_WIDTH, _ENOUGH = 2.0, 60
 # Where a cell is read whose centre is out of view: toward a side, then toward a corner, by this
 # part of a cell. Not so far that its neighbour shows at the scale that cells are read at. Close to

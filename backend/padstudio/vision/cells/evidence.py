@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from padstudio.vision.cells import cells_kernel
 
-#: Least kappa, (k/N − q) / (1 − q).
+#: Least kappa, (k/N − q) / (1 − q): about half way.
 LEAST_KAPPA = 0.45
 
 

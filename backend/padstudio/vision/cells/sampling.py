@@ -18,12 +18,17 @@ from padstudio.vision.frame.pyramid import Pyramid
 #: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
 ToPixels = Callable[[Array], Array]
 
-# Cells are read at the level where they are at least this wide, pixels.
+# Cells are read at the level where they are at least this wide, pixels. At 1.5 neighbours show
+# through, and one still of the score is lost; 6 finds the same stills.
 _READING_WIDTH = 3.0
+# Pixels a side that a level must have, to be looked at between pixels.
 _LEAST_SIDE = 4
-# From so many cells on only each of so many is projected, along rows and columns.
+# From so many cells on only each of so many is projected, along rows and columns: projecting all
+# would cost more than reading them.
 _MANY, _EVERY = 2000, 4
-# Brightness is compared with that of a block of this many cells a side.
+# Brightness is compared with that of a block of this many cells a side: about twice a window's, so
+# that each level occurs, and few enough that light is even. 5 and 17 find the same stills of the
+# score.
 _BLOCK = 9
 
 

@@ -14,8 +14,10 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import lattice_of
 from padstudio.pad.spec import Layer, Pad
 
+# Rays a side whose meeting points with the plane bound what is seen; a cell more is added on every
+# side for what lies between them.
 _GRID = 12
-# Rays nearer to the horizon than this cosine meet the plane beyond any pad.
+# Rays nearer to the horizon than this cosine meet the plane beyond 50 heights: beyond any pad.
 _LEAST_DROP = 0.02
 
 

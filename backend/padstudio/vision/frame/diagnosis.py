@@ -24,16 +24,22 @@ from padstudio.vision.frame.regions import Region, find_regions
 from padstudio.vision.stage.params import PrepareParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
-# Brightest grey value below which a frame is too dark, and share of burnt-out pixels.
+# These pick a sentence, no pose depends on them. Brightest grey value below which a frame is too
+# dark (a tenth of the range), and share of burnt-out pixels that a pad alone does not explain.
 _DARK_TOP, _BURNT = 24.0, 0.2
+# Range below which the steps between grey values and noise are most of what is seen.
 _LEAST_RANGE = 10.0
-# Coarse cells narrower than this can no longer be read, fine ones wider leave no window in view.
+# Coarse cells narrower than this can no longer be read: the sampling limit.
 _LEAST_CELL_PX = 2.0
 # Steps as seen without blur spread over so many pixels.
 _SHARP_STEP_PX = 2.0
+# Blur is named from three such steps on, and where the energy of slopes across it, which edges of
+# two directions at right angles would make equal, is less than so much of that along it.
 _BLUR_PX = 6.0
 _BLUR_RATIO = 0.4
+# Correlation of two layers' channels, which are coded independently, from which inks are alike.
 _CROSSTALK = 0.8
+# Side of the part that is examined, pixels: many cells, and a few milliseconds.
 _SAMPLE = 512
 
 

@@ -20,11 +20,14 @@ from padstudio.vision.stage.trace import Recorder
 
 # Percentiles rather than extremes: one hot pixel must not decide.
 _DARK, _BRIGHT = 0.5, 99.5
-# A stretch by more would only show the steps between grey values.
+# Range at the least: a stretch by more would only show the steps between grey values.
 _LEAST_RANGE = 12.0
+# Percentiles are taken at about this width, where single pixels no longer count.
 _STATISTICS_WIDTH = 400
-# A pixel is an impulse when it is this far from its neighbours' median and nearly black or white.
+# A pixel is an impulse when it is this far from its neighbours' median and nearly black or white:
+# a quarter of the range, and its last thirtieth on either side.
 _IMPULSE_STEP, _BLACK, _WHITE = 60, 8, 247
+# Side of the samples, pixels: 46 000 together, of which the default threshold is 230.
 _SAMPLE = 96
 _SAMPLED = np.array([[0.5, 0.5], [0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]])
 

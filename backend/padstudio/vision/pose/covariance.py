@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose
 
-#: Tiles a side over what was measured.
+#: Tiles a side over what was measured: 64 sums of scores for at most 12 parameters.
 TILES = 8
 # Scatter over what independent residuals would have; fewer tiles than needed may show less.
 _LEAST_SCATTER = 0.5
+# A covariance grows by no more than the inverse of this, as of `newton_share`.
 _LEAST_SHARE = 0.3
 # Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
 _PICTURE_SHIFT_PX = 0.03

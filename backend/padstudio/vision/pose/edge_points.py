@@ -25,9 +25,9 @@ from padstudio.vision.frame.pyramid import Window
 from padstudio.vision.pose import edge_points_kernel
 from padstudio.vision.pose.edge_points_kernel import Borders, Patch
 
-#: Fewer borders leave a pose undetermined.
+#: Fewer borders leave a pose undetermined: each tells one of six unknowns, and some are wrong.
 LEAST_BORDERS = 12
-# So many borders tell how wide cells are.
+# So many borders tell how wide cells are; their median needs no more.
 _TELLING = 200
 
 

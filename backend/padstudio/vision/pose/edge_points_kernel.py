@@ -14,18 +14,20 @@ from padstudio.geometry.projection import Projector, picture, seen_at
 from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
 
-# Samples of a profile, and the lines side by side that it is averaged over.
+# Samples of a profile, a pixel apart at the reach that the refiner asks for, and the lines side by
+# side that it is averaged over.
 _STEPS, _BESIDE_LINES = 13, 3
-# How often a profile is averaged with its neighbours, 1 : 2 : 1.
+# How often a profile is averaged with its neighbours, 1 : 2 : 1; together as by a Gaussian of 1.2
+# samples, below which sharp steps are drawn to the pixels.
 _SMOOTHINGS = 3
 # Profiles are averaged over lines to this share of half a cell on either side.
 _BESIDE = 0.5
-# Profiles never reach further than this share of a cell.
+# Profiles never reach further than this share of a cell: beyond the half they meet the next border.
 _MOST_REACH = 0.42
-# A step of so many grey values is fully trusted.
+# A step of so many grey values is fully trusted; steps trusted less than this are left out.
 _CLEAR_STEP = 6.0
 _LEAST_WEIGHT = 0.05
-# So many edges of cells tell how many of a field's borders lie in the frame.
+# So many edges of cells tell how many of a field's borders lie in the frame: to a few per cent.
 _POLLED = 512
 # So many borders of a kind tell how far its steps seem to lie toward the dark.
 _LEAST_BIASED = 12

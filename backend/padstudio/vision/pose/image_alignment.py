@@ -29,12 +29,14 @@ from padstudio.vision.pose.covariance import TILES, least_share
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior
 from padstudio.vision.pose.template import OVERSAMPLING, pixels_of, texture_of
 
-# Steps on a part of the pixels, as far as they serve, then on all.
+# Steps at the most on a part of the pixels, as far as they serve, then on all. 1250 and 5000 find
+# the same stills of the score.
 _ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
 _STEPS = 4
 # A step that is shorter than so many standard deviations, squared, ends the iteration.
 _ROUGHLY_SETTLED, _SETTLED = 0.5, 0.05
-# Brightness terms are held to what they are by this share of what the picture says of them.
+# Brightness terms are held to what they are by this share of what the picture says of them, so that
+# those it says nothing of can be solved for.
 _HELD = 1e-9
 # Residuals beyond so many standard deviations, and grey values, are trusted little.
 _TRUSTED, _LEAST_SCALE = 3.0, 0.3

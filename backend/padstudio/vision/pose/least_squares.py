@@ -48,12 +48,15 @@ _KNOWN_MOTION = 4.0
 # What a change of height may really be where nobody knows, for the covariance: a third of the
 # height a second, in 25 ms.
 _CLIMB_CONSIDERED = 0.008
+# Where the change of height stands among the parameters.
 _CLIMB = 8
-# The moving model must lower the sum of squares by this many variances, six being free.
+# The moving model must lower the sum of squares by this many variances. Six parameters more lower
+# it by chance by χ² of six degrees of freedom: six on average, 40 once in two million.
 _MOTION_GAIN = 40.0
 _CHANCE_GAIN = 6.0
 # What lens, sensor and ink leave over near the ground is no motion, however well it is measured.
 _LEAST_RMS_PX = 0.06
+# Fewer inliers do not bear out six unknowns.
 _LEAST_INLIERS = 10
 
 

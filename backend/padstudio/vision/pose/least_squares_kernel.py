@@ -18,6 +18,7 @@ from padstudio.geometry.small_matrices import solve, turned
 
 # Weighted points above this share of the best one's trust tell the scatter.
 _TELLING = 0.3
+# Residuals of so many standard deviations weigh a quarter.
 _CUT_OFF = 2.5
 # A step that is shorter than so many standard deviations, squared, is the last.
 _SETTLED = 0.01

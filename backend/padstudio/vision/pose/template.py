@@ -21,10 +21,11 @@ from padstudio.vision.pose.covariance import tiles_of
 # latter.
 OVERSAMPLING = 2.0
 _BLUR_PX = 0.8
-# Textures are made at so many scales an octave.
+# Textures are made at so many scales an octave, so that none is off by more than 5 %.
 _SCALES = 8
+# Fewer pixels do not bear out two dozen unknowns of pose and brightness.
 _LEAST_PIXELS = 150
-# Pixels this near to the pad's rim see the ground.
+# Pixels this near to the pad's rim, 2.5 deviations of the blur, see the ground.
 _RIM_PX = 2.0
 
 

@@ -14,7 +14,8 @@ from padstudio.geometry.rolling_shutter import cross
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.stage.params import SearchParams
 
-# A step counts where it is this much above the mean step of its neighbourhood …
+# A step counts where it is this much above the mean step of its neighbourhood, a square of so many
+# pixels that holds some cells. 0.9 and 1.6, 15 and 61 find the same stills of the score.
 _OVER_LOCAL = 1.2
 _NEIGHBOURHOOD = 31
 

@@ -24,15 +24,21 @@ from padstudio.vision.search import search_kernel
 from padstudio.vision.search.line_spacing import LineFamilies
 from padstudio.vision.search.search_kernel import OnPlane
 
+# Radius about the seed from which the map grows, cells, and by what factor: so near the spacing
+# alone numbers the lines, and a map that fits there still does a little further out. 3.5 and 8,
+# 1.25 and 2 find the same stills of the score.
 _FIRST_RADIUS = 5.0
 _GROWTH = 1.5
-# An edge counts for a line within this part of a cell; chance gives twice this share.
+# An edge is an inlier within this part of a cell of a line; chance gives twice this share, 0.28.
 _NEAR = 0.14
+# Edges count for the fit within this part of a cell: half way to the border between two.
 _GATE = 0.25
+# Steps with all edges, at the end.
 _SETTLING = 4
 # Fewer edges of a family than this do not tell its lines.
 _LEAST_EDGES = 6
-# Share of edges on every k-th line, and lines left empty between, that tell of a wider spacing.
+# Share of edges on every k-th line, and lines left empty between, that tell of a wider spacing:
+# clutter leaves some edges beside, and a code leaves one line empty by chance, not three.
 _ON_THESE_LINES, _LEAST_EMPTY = 0.93, 3
 
 

@@ -123,11 +123,12 @@ def _looks(regions: list[Region], params: SearchParams) -> Iterator[tuple[Region
                 yield region.middle(params.finest_px << level), level
 
 
-# Lattices of a smaller share of inliers are tried only when a round has found no better one.
+# Lattices of a smaller share of inliers are tried only when a round has found no better one; 0.7
+# and 0.95 find the same stills of the score.
 _CLEAR_SHARE = 0.85
-# Axes that edges agree with so little are not worth a look.
+# Axes that edges agree with so little are not worth a look; 0.06 and 0.24 find the same stills.
 _LEAST_COHERENCE = 0.12
-# Cells that agree so well, but are too few to be sure, are a matter of number.
+# These two pick a sentence. Cells of such a kappa, but too few to be sure, are a matter of number.
 _ALIKE = 0.8
 # More cells than these do not agree by the number that is missing.
 _FEW_CELLS = 100

@@ -11,17 +11,21 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
 
-# An edge weighs at most this much.
+# An edge weighs at most this much: an angle that a turn in the picture turns six times as far tells
+# little but noise.
 _MOST_WEIGHT = 6.0
-# Edges seen along the plane by less than this sine lie beyond the horizon for all we know.
+# Edges seen along the plane by less than this sine, 3 degrees, lie beyond the horizon for all we
+# know.
 _LEAST_DEPTH = 0.05
-#: Below this cosine of tilt a plane is seen too flat to be read.
+#: Below this cosine of tilt, at 80 degrees, a plane is seen too flat to be read.
 LEAST_COSINE = 0.17
-# A climb begins with steps this large, and ends where steps this small lead nowhere.
+# A climb begins with steps of about half the distance of starts, and ends where steps this small
+# lead nowhere.
 _FIRST_STEP_DEG, _LEAST_STEP_DEG = 6.0, 0.15
-# Axes are turned to fit the edges' angles in the picture: first and last cut-off, radians.
+# Axes are turned to fit the edges' angles in the picture: first and last cut-off, radians, and
+# steps: the cut-off has reached its last value after half of them.
 _FIRST_CUT, _LAST_CUT, _TURNS = 0.25, 0.05, 16
-# So many edges tell how.
+# So many edges tell how: three unknowns.
 _TURNING_EDGES = 1200
 
 
