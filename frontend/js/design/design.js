@@ -34,6 +34,7 @@
 
 import { readAddress, writeAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
+import { fieldFaults, isAbort, messageOf } from "../server/request.js";
 import { tableSizes, textsOfPad } from "./designLogic.js";
 import { makeDesignView } from "./designView.js";
 import { viewOfPad } from "./padLogic.js";
@@ -160,9 +161,9 @@ async function preview(spec) {
     const answer = await api.previewPad(spec, mine.signal);
     showPad(answer.pad, answer.verification);
   } catch (error) {
-    if (api.isAbort(error)) return;
-    const refused = api.fieldFaults(error);
-    set({ pad: null, verification: null, fault: api.messageOf(error), refused });
+    if (isAbort(error)) return;
+    const refused = fieldFaults(error);
+    set({ pad: null, verification: null, fault: messageOf(error), refused });
   }
   set({ busy: false });
 }
@@ -194,7 +195,7 @@ function showPad(file, verification) {
 
 /** @param {unknown} error */
 function fail(error) {
-  set({ status: { kind: "bad", text: api.messageOf(error) } });
+  set({ status: { kind: "bad", text: messageOf(error) } });
 }
 
 /** @param {() => Promise<void>} act */
@@ -253,7 +254,7 @@ async function verify(id, signal) {
     const { verification } = await planApi.verifyPad(id, signal);
     if (state.savedId === id) set({ verification });
   } catch (error) {
-    if (!api.isAbort(error)) fail(error);
+    if (!isAbort(error)) fail(error);
   }
   set({ verifying: false });
 }

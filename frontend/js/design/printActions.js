@@ -10,7 +10,8 @@
  */
 
 import { saveFile } from "../shared/address.js";
-import { fetchFile, messageOf, padFileUrl } from "../server/api.js";
+import { padFileUrl } from "../server/api.js";
+import { fetchFile, messageOf } from "../server/request.js";
 import * as planApi from "../server/planApi.js";
 import { readings } from "./printLogic.js";
 

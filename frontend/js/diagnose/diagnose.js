@@ -17,6 +17,7 @@
 
 import { readAddress, writeAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
+import { messageOf } from "../server/request.js";
 import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFrameList } from "./frameList.js";
@@ -211,7 +212,7 @@ async function restore() {
     const frame = queue.frameOfAnswer(await api.getDetection(trace));
     set({ frames: [frame, ...state.frames], selectedId: frame.id });
   } catch (error) {
-    set({ stage: null, status: { kind: "bad", text: api.messageOf(error) } });
+    set({ stage: null, status: { kind: "bad", text: messageOf(error) } });
   }
 }
 
@@ -223,7 +224,7 @@ async function start() {
     const pad = isKnown ? state.pad : (pads.items[0]?.id ?? "");
     set({ pads: pads.items, ...cameras, pad });
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
   await restore();
   const wanted = address.get("simulate");

@@ -10,6 +10,7 @@
  */
 
 import * as api from "../server/api.js";
+import { isAbort, messageOf } from "../server/request.js";
 
 /**
  * @param {ReaderOptions} options
@@ -27,7 +28,7 @@ export function makeReader({ next, job, change }) {
       if (!signal.aborted) change(id, { status: answer.result.status, answer });
     } catch (error) {
       // A picture that was stopped waits again under its new terms, or is gone.
-      if (!api.isAbort(error)) change(id, { status: "refused", message: api.messageOf(error) });
+      if (!isAbort(error)) change(id, { status: "refused", message: messageOf(error) });
     }
   }
 

@@ -33,7 +33,7 @@
  */
 
 import { download, readAddress, writeAddress } from "../shared/address.js";
-import * as api from "../server/api.js";
+import { messageOf } from "../server/request.js";
 import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
 import { makeFlightFrames } from "./flightFrames.js";
@@ -122,7 +122,7 @@ const loader = makeFrameLoader(id, {
   },
   onStages: (frame, stages, size) => set(withStages(state, frame, stages, size)),
   onFault: (frame, error) => {
-    set({ stale: false, playing: false, status: { kind: "bad", text: `Frame ${frame}: ${api.messageOf(error)}` } });
+    set({ stale: false, playing: false, status: { kind: "bad", text: `Frame ${frame}: ${messageOf(error)}` } });
   },
 });
 
@@ -185,7 +185,7 @@ async function findFailure(by) {
     if (items.length) seek(items[0].frame);
     else set({ status: { kind: "quiet", text: `No ${by > 0 ? "later" : "earlier"} frame failed so.` } });
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 
@@ -225,7 +225,7 @@ async function exportForPx4(vehicle) {
     // The browser has begun to read it by then.
     window.setTimeout(() => URL.revokeObjectURL(url), 60_000);
   } catch (error) {
-    set({ status: { kind: "bad", text: `${vehicle.name}: ${api.messageOf(error)}` } });
+    set({ status: { kind: "bad", text: `${vehicle.name}: ${messageOf(error)}` } });
   }
 }
 
@@ -235,7 +235,7 @@ async function act(change) {
     takeFlight(await change());
     follow();
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 
@@ -275,7 +275,7 @@ async function start() {
     await data.runs();
     await data.other();
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 

@@ -4,7 +4,8 @@
  * @typedef {import("./timelineLogic.js").Timeline} Timeline
  */
 
-import { isAbort, listPads, messageOf } from "../server/api.js";
+import { listPads } from "../server/api.js";
+import { isAbort, messageOf } from "../server/request.js";
 import { getFigures, getFlight, getSummary, getTimeline, isOpen, listFlights } from "../server/flightsApi.js";
 import { wholeOf } from "./timelineLogic.js";
 

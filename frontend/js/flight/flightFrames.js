@@ -5,7 +5,7 @@
  * @typedef {import("./frameTableLogic.js").Place} Place
  */
 
-import { isAbort, messageOf } from "../server/api.js";
+import { isAbort, messageOf } from "../server/request.js";
 import { listFrames } from "../server/flightsApi.js";
 import { PAGE_FRAMES, filterFault, pageOf, placeBeside } from "./frameTableLogic.js";
 

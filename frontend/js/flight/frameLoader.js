@@ -14,7 +14,7 @@
  * @property {(frame: number, error: unknown) => void} onFault
  */
 
-import { isAbort } from "../server/api.js";
+import { isAbort } from "../server/request.js";
 import { hasPicture } from "./flightFrameLogic.js";
 import { getStages, listFrames, previewUrl } from "../server/flightsApi.js";
 

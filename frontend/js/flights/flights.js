@@ -16,6 +16,7 @@
 
 import { readAddress, writeAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
+import { messageOf } from "../server/request.js";
 import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFlightList } from "./flightList.js";
@@ -135,7 +136,7 @@ async function start() {
     queue.clear();
     location.assign(`/flights/${flight.id}`);
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 
@@ -151,7 +152,7 @@ async function act(change) {
   try {
     await change();
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
   await refresh();
 }
@@ -162,7 +163,7 @@ async function refresh() {
     const { items, total } = await flightsApi.listFlights(Math.min(state.limit, 200));
     set({ flights: items, total });
   } catch (error) {
-    if (state.total === null) set({ status: { kind: "bad", text: api.messageOf(error) } });
+    if (state.total === null) set({ status: { kind: "bad", text: messageOf(error) } });
   }
   const wait = state.flights.some(flightsApi.isOpen) ? BUSY_MS : IDLE_MS;
   refreshTimer = window.setTimeout(() => (document.hidden ? null : void refresh()), wait);
@@ -180,7 +181,7 @@ async function load() {
     const only = cameras.stored.length === 1 ? cameras.stored[0].id : "";
     set({ pads: pads.items, ...cameras, pad, camera: state.camera || only });
   } catch (error) {
-    set({ status: { kind: "bad", text: api.messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 

@@ -4,7 +4,7 @@
  * @typedef {import("./uploadsLogic.js").Item} Item
  */
 
-import * as api from "../server/api.js";
+import { ApiError, messageOf } from "../server/request.js";
 import { getUpload } from "../server/flightsApi.js";
 import { removeUpload, sendFile } from "../server/tusUpload.js";
 import * as uploads from "./uploadsLogic.js";
@@ -39,7 +39,7 @@ export function makeUploadQueue({ onChange }) {
         url,
         signal: control.signal,
         onProgress: ({ trouble, ...progress }) => {
-          const message = trouble === undefined ? {} : { message: trouble && api.messageOf(trouble) };
+          const message = trouble === undefined ? {} : { message: trouble && messageOf(trouble) };
           change(key, { ...progress, ...message });
         },
       });
@@ -65,7 +65,7 @@ export function makeUploadQueue({ onChange }) {
         const done = upload.complete ? { id: upload.id, status: /** @type {const} */ ("done") } : {};
         change(key, { offset: upload.offset, ...done });
       } catch (error) {
-        if (error instanceof api.ApiError && error.status === 404) {
+        if (error instanceof ApiError && error.status === 404) {
           set(items.filter((item) => item.key !== key));
         }
       }
@@ -100,7 +100,7 @@ export function makeUploadQueue({ onChange }) {
 /** @param {unknown} error */
 function reasonOf(error) {
   const unreadable = error instanceof DOMException;
-  return unreadable ? "The file cannot be read: it was moved or changed." : api.messageOf(error);
+  return unreadable ? "The file cannot be read: it was moved or changed." : messageOf(error);
 }
 
 /** @returns {string | null} */

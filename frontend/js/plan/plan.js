@@ -26,6 +26,7 @@
 
 import { readAddress, writeAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
+import { isAbort, messageOf } from "../server/request.js";
 import { makeLatestAnswer } from "../server/latestAnswer.js";
 import { ofMethod, TILTS_DEG } from "../shared/coverageLogic.js";
 import { makeFlightSimulator } from "./flightSimulator.js";
@@ -151,7 +152,7 @@ function render() {
 
 /** @param {unknown} error */
 function fail(error) {
-  if (!api.isAbort(error)) set({ status: { kind: "bad", text: api.messageOf(error) } });
+  if (!isAbort(error)) set({ status: { kind: "bad", text: messageOf(error) } });
 }
 
 async function takeFrames() {
@@ -166,7 +167,7 @@ async function takeFrames() {
     );
   } catch (error) {
     // Where newer pictures took their place, these are nobody's any more.
-    if (api.isAbort(error)) return;
+    if (isAbort(error)) return;
     set({ shots: state.shots.filter((shot) => shot.url), frameProgress: "" });
     fail(error);
   }

@@ -1,6 +1,5 @@
 /**
- * Talks to the server about pads, cameras and pictures; flightsApi.js does so about flights, and
- * tusUpload.js sends files. No other module does.
+ * Asks the server about pads, cameras and pictures.
  *
  * @typedef {import("./answers.js").PadSpec} PadSpec
  * @typedef {import("./answers.js").PadFile} PadFile
@@ -32,89 +31,7 @@
  * @property {string} [note]
  */
 
-const ROOT = "/api/v1";
-
-/** What the server refuses, or that it does not answer. */
-export class ApiError extends Error {
-  /** @param {{status: number, code: string, message: string, detail?: Record<string, unknown>}} fault */
-  constructor({ status, code, message, detail = {} }) {
-    super(message);
-    this.name = "ApiError";
-    this.status = status;
-    this.code = code;
-    this.detail = detail;
-  }
-}
-
-/**
- * @param {string} method
- * @param {string} path
- * @param {{json?: unknown, form?: Record<string, string | Blob>, signal?: AbortSignal}} [options]
- * @returns {Promise<any>}
- */
-export async function request(method, path, { json, form, signal } = {}) {
-  /** @type {RequestInit} */
-  const init = { method, signal, headers: { Accept: "application/json" } };
-  if (json !== undefined) {
-    init.headers = { ...init.headers, "Content-Type": "application/json" };
-    init.body = JSON.stringify(json);
-  } else if (form) {
-    const body = new FormData();
-    for (const [name, value] of Object.entries(form)) body.append(name, value);
-    init.body = body;
-  }
-  let response;
-  try {
-    response = await fetch(ROOT + path, init);
-  } catch (error) {
-    if (signal?.aborted) throw error;
-    throw unreachable();
-  }
-  if (!response.ok) throw await refusal(response);
-  return response.status === 204 ? null : response.json();
-}
-
-/** @returns {ApiError} where nothing answers */
-export function unreachable() {
-  const message = "The studio does not answer. Check that it is running, then try again.";
-  return new ApiError({ status: 0, code: "unreachable", message });
-}
-
-/**
- * @param {Response} response
- * @returns {Promise<ApiError>}
- */
-export async function refusal(response) {
-  const { status } = response;
-  const body = await response.json().catch(() => null);
-  if (body?.error?.message) return new ApiError({ status, ...body.error });
-  const message = `The studio answered with status ${status}. Try again; if it stays so, look at its log.`;
-  return new ApiError({ status, code: `http_${status}`, message });
-}
-
-/** @param {unknown} error @returns {boolean} true where a newer request took its place */
-export const isAbort = (error) => error instanceof DOMException && error.name === "AbortError";
-
-/**
- * The sentence of an error, for the page.
- * @param {unknown} error
- * @returns {string}
- */
-export function messageOf(error) {
-  const text = error instanceof Error ? error.message : String(error);
-  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".");
-}
-
-/**
- * The fields of a request that the server refused, each with its sentence.
- * @param {unknown} error
- * @returns {Record<string, string>}
- */
-export function fieldFaults(error) {
-  const fields = error instanceof ApiError ? error.detail.fields : null;
-  if (!Array.isArray(fields)) return {};
-  return Object.fromEntries(fields.map(({ place, message }) => [place, messageOf(message)]));
-}
+import { path, request, ROOT } from "./request.js";
 
 // Pads
 
@@ -142,10 +59,10 @@ export const importPad = (file, sizes = {}) =>
 export const listPads = () => request("GET", "/pads?limit=1000");
 
 /** @param {string} id @returns {Promise<PadSummary & {pad: PadFile}>} */
-export const getPad = (id) => request("GET", `/pads/${encodeURIComponent(id)}`);
+export const getPad = (id) => request("GET", path`/pads/${id}`);
 
 /** @param {string} id */
-export const deletePad = (id) => request("DELETE", `/pads/${encodeURIComponent(id)}`);
+export const deletePad = (id) => request("DELETE", path`/pads/${id}`);
 
 /**
  * Address of a pad in a file's form.
@@ -155,7 +72,7 @@ export const deletePad = (id) => request("DELETE", `/pads/${encodeURIComponent(i
  * @returns {string}
  */
 export const padFileUrl = (id, form, query = "") =>
-  `${ROOT}/pads/${encodeURIComponent(id)}/files/pad.${form}${query}`;
+  ROOT + path`/pads/${id}/files/pad.${form}` + query;
 
 // Cameras
 
@@ -180,19 +97,6 @@ export const importCamera = (file) => request("POST", "/cameras", { form: { file
  */
 export const getSample = () => request("GET", "/samples");
 
-/**
- * @param {string} url
- * @returns {Promise<File>}
- */
-export async function fetchFile(url) {
-  const response = await fetch(url);
-  if (!response.ok) throw await refusal(response);
-  const header = response.headers.get("Content-Disposition") ?? "";
-  const given = /filename\*=UTF-8''([^;]+)/.exec(header)?.[1];
-  const name = given ? decodeURIComponent(given) : url.split("/").pop();
-  return new File([await response.blob()], name ?? "file");
-}
-
 // Detection
 
 /**
@@ -207,4 +111,4 @@ export const detect = ({ image, pad, camera, method }, signal) =>
 
 /** @param {string} traceId @returns {Promise<DetectAnswer>} */
 export const getDetection = (traceId) =>
-  request("GET", `/detect/${encodeURIComponent(traceId)}`);
+  request("GET", path`/detect/${traceId}`);

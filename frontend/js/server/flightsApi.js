@@ -64,19 +64,10 @@
  *   & Partial<Record<"from_s" | "to_s" | "min_height" | "max_height", number | null>>} FrameFilter
  */
 
-import { refusal, request } from "./api.js";
-
-const path = (/** @type {string} */ id, rest = "") => `/flights/${encodeURIComponent(id)}${rest}`;
-
-/** @param {Record<string, string | number | null | undefined>} values */
-function query(values) {
-  const given = Object.entries(values).filter(([, value]) => value !== null && value !== undefined && value !== "");
-  const text = new URLSearchParams(given.map(([name, value]) => [name, String(value)])).toString();
-  return text ? `?${text}` : "";
-}
+import { formOf, path, query, request, ROOT, send } from "./request.js";
 
 /** @param {string} id @returns {Promise<Upload>} */
-export const getUpload = (id) => request("GET", `/uploads/${encodeURIComponent(id)}`);
+export const getUpload = (id) => request("GET", path`/uploads/${id}`);
 
 /** @param {number} limit @returns {Promise<{items: Flight[], total: number}>} */
 export const listFlights = (limit) => request("GET", `/flights${query({ limit })}`);
@@ -85,22 +76,22 @@ export const listFlights = (limit) => request("GET", `/flights${query({ limit })
 export const createFlight = (order) => request("POST", "/flights", { json: order });
 
 /** @param {string} id @returns {Promise<Flight>} */
-export const getFlight = (id) => request("GET", path(id));
+export const getFlight = (id) => request("GET", path`/flights/${id}`);
 
 /** @param {string} id @returns {Promise<Flight>} */
-export const cancelFlight = (id) => request("POST", path(id, "/cancel"));
+export const cancelFlight = (id) => request("POST", path`/flights/${id}/cancel`);
 
 /** @param {string} id @returns {Promise<Flight>} */
-export const retryFlight = (id) => request("POST", path(id, "/retry"));
+export const retryFlight = (id) => request("POST", path`/flights/${id}/retry`);
 
 /** @param {string} id @param {Record<string, unknown>} changes @returns {Promise<Flight>} */
-export const rerunFlight = (id, changes) => request("POST", path(id, "/rerun"), { json: changes });
+export const rerunFlight = (id, changes) => request("POST", path`/flights/${id}/rerun`, { json: changes });
 
 /** @param {string} id */
-export const deleteFlight = (id) => request("DELETE", path(id));
+export const deleteFlight = (id) => request("DELETE", path`/flights/${id}`);
 
 /** @param {string} id @returns {Promise<Summary>} */
-export const getSummary = (id) => request("GET", path(id, "/summary"));
+export const getSummary = (id) => request("GET", path`/flights/${id}/summary`);
 
 /**
  * Outcomes and heights of a part of a flight, in so many columns.
@@ -110,10 +101,10 @@ export const getSummary = (id) => request("GET", path(id, "/summary"));
  * @returns {Promise<import("./answers.js").Timeline>}
  */
 export const getTimeline = (id, part, signal) =>
-  request("GET", path(id, `/timeline${query(part)}`), { signal });
+  request("GET", path`/flights/${id}/timeline` + query(part), { signal });
 
 /** @param {string} id @returns {Promise<import("./answers.js").Figures>} */
-export const getFigures = (id) => request("GET", path(id, "/figures"));
+export const getFigures = (id) => request("GET", path`/flights/${id}/figures`);
 
 /**
  * A page of frames, in the order of their numbers.
@@ -123,20 +114,20 @@ export const getFigures = (id) => request("GET", path(id, "/figures"));
  * @returns {Promise<{items: FrameRecord[], next_after: number | null}>}
  */
 export const listFrames = (id, wanted, signal) =>
-  request("GET", path(id, `/frames${query(wanted)}`), { signal });
+  request("GET", path`/flights/${id}/frames` + query(wanted), { signal });
 
 /**
  * Address of a frame with its pose drawn over it, which takes no reading.
  * @param {string} id
  * @param {number} frame
  */
-export const previewUrl = (id, frame) => `/api/v1${path(id, `/frames/${frame}/preview.jpg`)}`;
+export const previewUrl = (id, frame) => ROOT + path`/flights/${id}/frames/${frame}/preview.jpg`;
 
 /** @param {string} id @param {number} frame @returns {Promise<FrameStages>} */
-export const getStages = (id, frame) => request("GET", path(id, `/frames/${frame}/stages`));
+export const getStages = (id, frame) => request("GET", path`/flights/${id}/frames/${frame}/stages`);
 
 /** @param {string} id @param {string} form */
-export const exportUrl = (id, form) => `/api/v1${path(id, `/export/${form}`)}`;
+export const exportUrl = (id, form) => `${ROOT}${path`/flights/${id}/export`}/${form}`;
 
 /**
  * The export for PX4, which needs the vehicle's own poses.
@@ -145,10 +136,7 @@ export const exportUrl = (id, form) => `/api/v1${path(id, `/export/${form}`)}`;
  * @returns {Promise<Blob>}
  */
 export async function exportForPx4(id, vehicle) {
-  const body = new FormData();
-  body.append("vehicle", vehicle);
-  const response = await fetch(exportUrl(id, "px4"), { method: "POST", body });
-  if (!response.ok) throw await refusal(response);
+  const response = await send(exportUrl(id, "px4"), { method: "POST", body: formOf({ vehicle }) });
   return response.blob();
 }
 
@@ -156,4 +144,4 @@ export async function exportForPx4(id, vehicle) {
 export const isOpen = ({ state }) => state === "queued" || state === "running";
 
 /** @param {string} id */
-export const eventsUrl = (id) => `/api/v1${path(id, "/events")}`;
+export const eventsUrl = (id) => ROOT + path`/flights/${id}/events`;

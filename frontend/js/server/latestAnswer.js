@@ -1,6 +1,6 @@
 /** Questions to the server that follow a form as it changes. */
 
-import { isAbort, messageOf } from "./api.js";
+import { isAbort, messageOf } from "./request.js";
 
 const DELAY_MS = 150;
 

@@ -46,9 +46,7 @@
  *   tilt_deg: number}} truth
  */
 
-import { request } from "./api.js";
-
-const padPath = (/** @type {string} */ id) => `/pads/${encodeURIComponent(id)}`;
+import { path, query, request, ROOT } from "./request.js";
 
 /**
  * @param {import("./answers.js").PadSpec} spec
@@ -62,7 +60,7 @@ export const padBounds = (spec, signal) => request("POST", "/pads/bounds", { jso
  * @param {AbortSignal} signal
  * @returns {Promise<{verification: import("./answers.js").Verification}>}
  */
-export const verifyPad = (id, signal) => request("GET", `${padPath(id)}/verification`, { signal });
+export const verifyPad = (id, signal) => request("GET", path`/pads/${id}/verification`, { signal });
 
 /**
  * @param {PadShape} pad
@@ -79,14 +77,14 @@ export const planSheets = (pad, options, signal) =>
  * @returns {Promise<import("./api.js").PadSummary>}
  */
 export const setScale = (id, readings) =>
-  request("PUT", `${padPath(id)}/scale`, { json: readings });
+  request("PUT", path`/pads/${id}/scale`, { json: readings });
 
 /** @param {string} id @param {File} image @returns {Promise<Crosstalk & {kept: boolean}>} */
 export const measureCrosstalk = (id, image) =>
-  request("POST", `${padPath(id)}/crosstalk`, { form: { image } });
+  request("POST", path`/pads/${id}/crosstalk`, { form: { image } });
 
 /** @param {string} id @returns {Promise<import("./api.js").PadSummary>} */
-export const forgetCrosstalk = (id) => request("DELETE", `${padPath(id)}/crosstalk`);
+export const forgetCrosstalk = (id) => request("DELETE", path`/pads/${id}/crosstalk`);
 
 /**
  * @param {PadShape} pad
@@ -106,10 +104,10 @@ export const planCoverage = (pad, camera, tilts, signal) =>
  * @returns {Promise<CoverageChart>}
  */
 export function getCoverage(id, camera, tilts, signal) {
-  const query = new URLSearchParams([
+  const wanted = new URLSearchParams([
     ["camera", camera], ...tilts.map((tilt) => ["tilt_deg", String(tilt)]),
   ]);
-  return request("GET", `${padPath(id)}/coverage?${query}`, { signal });
+  return request("GET", `${path`/pads/${id}/coverage`}?${wanted}`, { signal });
 }
 
 /**
@@ -120,7 +118,7 @@ export function getCoverage(id, camera, tilts, signal) {
  * @returns {Promise<SuccessMap>}
  */
 export const simulateCoverage = (id, wish, signal) =>
-  request("POST", `${padPath(id)}/coverage`, { json: wish, signal });
+  request("POST", path`/pads/${id}/coverage`, { json: wish, signal });
 
 /**
  * @param {Record<string, string>} wish
@@ -128,7 +126,7 @@ export const simulateCoverage = (id, wish, signal) =>
  * @returns {Promise<Advice>}
  */
 export const getAdvice = (wish, signal) =>
-  request("GET", `/advice?${new URLSearchParams(wish)}`, { signal });
+  request("GET", `/advice${query(wish)}`, { signal });
 
 /**
  * @param {Record<string, unknown>} spec
@@ -141,16 +139,14 @@ export const simulateFrame = (spec, signal) =>
 /** @param {Record<string, unknown>} spec @returns {Promise<import("./answers.js").Simulation>} */
 export const simulateFlight = (spec) => request("POST", "/simulations", { json: spec });
 
-const simulationPath = (/** @type {string} */ id) => `/simulations/${encodeURIComponent(id)}`;
-
 /** @param {string} id @returns {Promise<import("./answers.js").Simulation>} */
-export const getSimulation = (id) => request("GET", simulationPath(id));
+export const getSimulation = (id) => request("GET", path`/simulations/${id}`);
 
 /** @param {string} id @returns {Promise<null>} */
-export const deleteSimulation = (id) => request("DELETE", simulationPath(id));
+export const deleteSimulation = (id) => request("DELETE", path`/simulations/${id}`);
 
 /** @param {string} id @returns {string} address of pictures and truth */
-export const simulationFileUrl = (id) => `/api/v1${simulationPath(id)}/files/flight.zip`;
+export const simulationFileUrl = (id) => ROOT + path`/simulations/${id}/files/flight.zip`;
 
 /** @returns {Promise<{items: {name: string, note: string}[], grounds: string[]}>} */
 export const listLooks = () => request("GET", "/simulate/looks");

@@ -7,28 +7,19 @@
  * @property {string} [trouble]  why nothing moves; empty where it does again
  */
 
-import { refusal, unreachable } from "./api.js";
+import { ROOT, send } from "./request.js";
 import { FIRST_CHUNK, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "./tusLogic.js";
 
-const ROOT = "/api/v1/uploads";
+const UPLOADS = `${ROOT}/uploads`;
 const RESUMABLE = { "Tus-Resumable": "1.0.0" };
 
 /**
  * @param {string} method
  * @param {string} url
- * @param {{headers?: Record<string, string>, body?: BodyInit, signal: AbortSignal}} options
- * @returns {Promise<Response>}
+ * @param {{headers?: Record<string, string>, body?: BodyInit, signal?: AbortSignal}} options
  */
-async function ask(method, url, { headers, body, signal }) {
-  let response;
-  try {
-    response = await fetch(url, { method, headers: { ...RESUMABLE, ...headers }, body, signal });
-  } catch (error) {
-    throw signal.aborted ? error : unreachable();
-  }
-  if (!response.ok) throw await refusal(response);
-  return response;
-}
+const ask = (method, url, { headers, ...rest }) =>
+  send(url, { method, headers: { ...RESUMABLE, ...headers }, ...rest });
 
 /** @param {File} file @param {AbortSignal} signal @returns {Promise<string>} address of the upload */
 async function create(file, signal) {
@@ -36,7 +27,7 @@ async function create(file, signal) {
     "Upload-Length": String(file.size),
     "Upload-Metadata": metadata({ filename: file.name }),
   };
-  const response = await ask("POST", ROOT, { headers, signal });
+  const response = await ask("POST", UPLOADS, { headers, signal });
   return new URL(response.headers.get("Location") ?? "", location.href).pathname;
 }
 
@@ -114,7 +105,7 @@ async function sendRest(url, file, from, { signal, onProgress }) {
  * @param {File} file
  * @param {{url: string | null, signal: AbortSignal, onProgress: (progress: Progress) => void}} options
  * @returns {Promise<string>} id of the upload
- * @throws {import("./api.js").ApiError} where the server refuses it for good
+ * @throws {import("./request.js").ApiError} where the server refuses it for good
  */
 export async function sendFile(file, { url, signal, onProgress }) {
   let place = url;
@@ -135,7 +126,7 @@ export async function sendFile(file, { url, signal, onProgress }) {
       });
       return place.split("/").pop() ?? "";
     } catch (error) {
-      const { status, message } = /** @type {import("./api.js").ApiError} */ (error);
+      const { status, message } = /** @type {import("./request.js").ApiError} */ (error);
       const meaning = signal.aborted || status === undefined ? "final" : meaningOf(status);
       if (meaning === "final" || (meaning === "anew" && !place)) throw error;
       if (meaning === "anew") place = null;
@@ -150,5 +141,5 @@ export async function sendFile(file, { url, signal, onProgress }) {
  * @param {string} url
  */
 export async function removeUpload(url) {
-  await fetch(url, { method: "DELETE", headers: RESUMABLE }).catch(() => null);
+  await ask("DELETE", url, {}).catch(() => null);
 }

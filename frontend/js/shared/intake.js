@@ -14,6 +14,7 @@
  */
 
 import * as api from "../server/api.js";
+import { fetchFile, messageOf } from "../server/request.js";
 import { namesInSample } from "./readingLogic.js";
 import { framesFromQuery, parseFrames } from "./frameLogic.js";
 import { kindOfFile } from "./queueLogic.js";
@@ -31,7 +32,7 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
     try {
       onStatus({ kind: "ok", text: await act() });
     } catch (error) {
-      onStatus({ kind: "bad", text: place + api.messageOf(error) });
+      onStatus({ kind: "bad", text: place + messageOf(error) });
     }
   }
 
@@ -52,7 +53,7 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
   async function importSample() {
     const sample = await api.getSample();
     const [padFile, cameraFile, ...pictures] = await Promise.all(
-      [sample.pad, sample.camera, ...sample.pictures].map(api.fetchFile),
+      [sample.pad, sample.camera, ...sample.pictures].map(fetchFile),
     );
     // A second try must not store the sample's pad and camera again.
     const names = namesInSample(await padFile.text(), await cameraFile.text());

@@ -5,6 +5,7 @@
  */
 
 import * as api from "../../server/api.js";
+import { messageOf } from "../../server/request.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "../../shared/readingLogic.js";
 import { makeIntake } from "../../shared/intake.js";
 import { paramsFrom, rangeFault, rangeOf, rangeValues } from "../../shared/orderLogic.js";
@@ -77,7 +78,7 @@ export function mountRerunDialog(dialog, { onRun }) {
       });
       dialog.close();
     } catch (error) {
-      find("refusal").textContent = api.messageOf(error);
+      find("refusal").textContent = messageOf(error);
     }
   }
 
@@ -106,7 +107,7 @@ export function mountRerunDialog(dialog, { onRun }) {
           camera: all.some((camera) => camera.id === request.camera_id) ? request.camera_id : "",
         });
       } catch (error) {
-        find("refusal").textContent = api.messageOf(error);
+        find("refusal").textContent = messageOf(error);
       }
     },
   };
