@@ -112,7 +112,6 @@ def test_an_address_beyond_the_flight_shows_its_last_frame(
 
 def test_the_figures_show_what_was_flown(open_page: Callable[..., Page], flight_path: str) -> None:
     page = open_page(flight_path)
-    assert page.evaluate("() => typeof Plotly") == "undefined"
     page.locator("#charts").scroll_into_view_if_needed()
     for name in CHARTS:
         expect(page.locator(f"[data-ref={name}] .main-svg").first).to_be_attached(timeout=SLOW_MS)
@@ -128,6 +127,34 @@ def test_the_figures_show_what_was_flown(open_page: Callable[..., Page], flight_
     ink = page.locator("#charts p").first.evaluate("() => getComputedStyle(document.body).color")
     assert page.locator("[data-ref=trajectory]").evaluate(font) != ink
     expect(page.locator("[data-ref=space] .main-svg").first).to_be_attached()
+
+
+def test_frames_are_read_before_the_charts_have_loaded(
+    open_page: Callable[..., Page], flight_path: str
+) -> None:
+    page = open_page("/flights")
+    page.route("**/plotly.min.js", lambda route: None)
+    page.goto(f"{flight_path}?frame=12")
+    _at_frame(page, 12)
+    page.get_by_role("slider", name="Frame").focus()
+    page.keyboard.press("ArrowRight")
+    _at_frame(page, 13)
+    page.get_by_role("slider", name="Frame").click(position={"x": 1, "y": 20})
+    _at_frame(page, 0)
+    assert page.evaluate("() => typeof Plotly") == "undefined"
+    page.unroute_all(behavior="ignoreErrors")
+
+
+def test_the_timeline_shows_heights_and_outcomes(
+    open_page: Callable[..., Page], flight_path: str
+) -> None:
+    page = open_page(f"{flight_path}?frame=12")
+    timeline = page.locator("#timeline .plot")
+    expect(timeline.locator(".heatmaplayer image")).to_be_attached(timeout=SLOW_MS)
+    strip, heights = timeline.evaluate("chart => chart.data")
+    failed = [frame for frame, outcome in enumerate(strip["z"][-1]) if outcome == 4]
+    assert failed == sorted(BLANK)
+    assert max(z for z in heights["y"] if z is not None) > 0
 
 
 def test_the_timeline_zooms_and_keeps_its_part(

@@ -6,8 +6,8 @@
  * @typedef {import("../server/answers.js").HeightFit} HeightFit
  * @typedef {import("../server/answers.js").Figures} Figures
  *
- * @typedef {{data: Record<string, any>[], layout: Record<string, any>}} Chart
- * @typedef {Record<"x" | "y" | "height" | "other" | "ok" | "line" | "ink" | "ink2" | "surface" | "pad", string>
+ * @typedef {import("../shared/components/plot.js").Chart} Chart
+ * @typedef {Record<"x" | "y" | "height" | "other" | "ok" | "line" | "ink" | "ink2" | "pad", string>
  *   & {stages: string[]}} Palette
  */
 

@@ -7,11 +7,7 @@
  * @typedef {import("../server/answers.js").MethodCoverage} MethodCoverage
  * @typedef {import("../server/answers.js").CoverageChart} CoverageChart
  *
- * @typedef {object} Frame  of a chart, in its own units
- * @property {number} width
- * @property {number} height
- * @property {number} left  room for the axis' figures
- * @property {number} bottom
+ * @typedef {object} Frame  what a chart spans
  * @property {number} lowMm
  * @property {number} highMm
  * @property {number} mostDeg
@@ -73,31 +69,13 @@ export function logTicks(low, high) {
 
 /**
  * @param {Frame} frame
- * @param {number} heightMm
- * @returns {number} y of the chart; heights beyond it lie on its border
- */
-export function yOf({ height, bottom, lowMm, highMm }, heightMm) {
-  const share = Math.log(heightMm / lowMm) / Math.log(highMm / lowMm);
-  return (height - bottom) * (1 - Math.min(1, Math.max(0, share)));
-}
-
-/** @param {Frame} frame @param {number} tiltDeg @returns {number} x of the chart */
-export const xOf = ({ width, left, mostDeg }, tiltDeg) => left + ((width - left) * tiltDeg) / mostDeg;
-
-/**
- * @param {Frame} frame
- * @param {number} x
- * @param {number} y
+ * @param {number} across  0 … 1, from the left
+ * @param {number} up  0 … 1
  * @returns {{tiltDeg: number, heightMm: number}} of a place, kept within the chart
  */
-export function placeOf(frame, x, y) {
+export function placeOf({ lowMm, highMm, mostDeg }, across, up) {
   const within = (/** @type {number} */ share) => Math.min(1, Math.max(0, share));
-  const across = within((x - frame.left) / (frame.width - frame.left));
-  const up = within(1 - y / (frame.height - frame.bottom));
-  return {
-    tiltDeg: across * frame.mostDeg,
-    heightMm: frame.lowMm * (frame.highMm / frame.lowMm) ** up,
-  };
+  return { tiltDeg: within(across) * mostDeg, heightMm: lowMm * (highMm / lowMm) ** within(up) };
 }
 
 const KEY_STEPS = /** @type {Record<string, [number, number]>} */ ({
@@ -120,36 +98,6 @@ export function moved({ tiltDeg, heightMm }, key, { mostDeg, lowMm, highMm }) {
     tiltDeg: Math.min(mostDeg, Math.max(0, tiltDeg + step[0] * STEP_DEG)),
     heightMm: Math.min(highMm, Math.max(lowMm, heightMm * STEP_RATIO ** step[1])),
   };
-}
-
-/**
- * The outline of one layer's heights, as an SVG path; empty where it reads nowhere.
- * @param {Frame} frame
- * @param {{tilt_deg: number, low_mm: number | null, high_mm: number | null}[]} spans  by tilt
- * @returns {string}
- */
-export function areaPath(frame, spans) {
-  const parts = [];
-  /** @type {typeof spans} */
-  let run = [];
-  for (const span of [...spans, { tilt_deg: 0, low_mm: null, high_mm: null }]) {
-    if (span.low_mm !== null) {
-      run.push(span);
-      continue;
-    }
-    if (run.length) parts.push(outline(frame, run));
-    run = [];
-  }
-  return parts.join(" ");
-}
-
-/** @param {Frame} frame @param {{tilt_deg: number, low_mm: number | null, high_mm: number | null}[]} run */
-function outline(frame, run) {
-  const point = (/** @type {number} */ tilt, /** @type {number | null} */ mm) =>
-    `${xOf(frame, tilt).toFixed(1)} ${yOf(frame, Number(mm)).toFixed(1)}`;
-  const up = run.map((span) => point(span.tilt_deg, span.high_mm));
-  const down = run.map((span) => point(span.tilt_deg, span.low_mm)).reverse();
-  return `M${[...up, ...down].join(" L")} Z`;
 }
 
 /**

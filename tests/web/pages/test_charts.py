@@ -5,17 +5,22 @@ import hashlib
 import re
 
 import httpx
+import pytest
 
 
-def _script_url(studio: httpx.Client) -> str:
-    page = studio.get("/flights/0123456789abcdef").raise_for_status()
-    found = re.search(r'data-script="([^"]+)"', page.text)
+PAGES_WITH_CHARTS = ("/plan", "/flights/0123456789abcdef")
+
+
+def _script_url(studio: httpx.Client, path: str) -> str:
+    page = studio.get(path).raise_for_status()
+    found = re.search(r'data-charts="([^"]+)"', page.text)
     assert found
     return found[1]
 
 
-def test_plotly_is_served_by_us_and_kept_for_good(studio: httpx.Client) -> None:
-    url = _script_url(studio)
+@pytest.mark.parametrize("path", PAGES_WITH_CHARTS)
+def test_plotly_is_served_by_us_and_kept_for_good(studio: httpx.Client, path: str) -> None:
+    url = _script_url(studio, path)
     packed = studio.get(url)
     plain = studio.get(url, headers={"Accept-Encoding": "identity"})
     assert packed.headers["content-encoding"] == "gzip"
@@ -28,11 +33,13 @@ def test_plotly_is_served_by_us_and_kept_for_good(studio: httpx.Client) -> None:
         assert answer.headers["vary"] == "Accept-Encoding"
 
 
-def test_only_the_page_with_charts_allows_their_style_sheets_and_none_allows_others(
+def test_only_pages_with_charts_allow_their_style_sheets_and_none_allows_others(
     studio: httpx.Client,
 ) -> None:
     empty = base64.b64encode(hashlib.sha256(b"").digest()).decode()
-    for path, allows in (("/flights", False), ("/flights/0123456789abcdef", True)):
+    without = ("/flights", "/design", "/diagnose")
+    for path in (*without, *PAGES_WITH_CHARTS):
+        allows = path in PAGES_WITH_CHARTS
         policy = studio.get(path).headers["content-security-policy"]
         assert (f"style-src 'self' 'sha256-{empty}'" in policy) == allows
         assert "script-src 'self';" in policy

@@ -21,6 +21,7 @@ templates.env.globals["file_address"] = static.address
 
 # A page changes with the program alone; the browser asks each time whether it has.
 _HEADERS = {"Cache-Control": "no-cache"}
+_CHART_HEADERS = _HEADERS | {"Content-Security-Policy": CHARTS_POLICY}
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def design(request: Request) -> Response:
 
 @router.get("/plan")
 def plan(request: Request) -> Response:
-    return _page(request, "plan")
+    return _page(request, "plan", _CHART_HEADERS)
 
 
 @router.get("/diagnose")
@@ -93,10 +94,8 @@ def flights(request: Request) -> Response:
 
 @router.get("/flights/{flight_id}")
 def flight(request: Request, flight_id: ItemId) -> Response:
-    headers = _HEADERS | {"Content-Security-Policy": CHARTS_POLICY}
-    return templates.TemplateResponse(
-        request, "flight.html", {"page": FlightPage()}, headers=headers
-    )
+    context = {"page": FlightPage()}
+    return templates.TemplateResponse(request, "flight.html", context, headers=_CHART_HEADERS)
 
 
 def error_page(request: Request, status: int, title: str, message: str) -> Response:
@@ -107,7 +106,7 @@ def error_page(request: Request, status: int, title: str, message: str) -> Respo
     )
 
 
-def _page(request: Request, name: str) -> Response:
+def _page(request: Request, name: str, headers: dict[str, str] = _HEADERS) -> Response:
     settings: Settings = request.app.state.settings
     page = Page(
         name,
@@ -117,4 +116,4 @@ def _page(request: Request, name: str) -> Response:
         settings.max_levels,
         settings.max_cells,
     )
-    return templates.TemplateResponse(request, f"{name}.html", {"page": page}, headers=_HEADERS)
+    return templates.TemplateResponse(request, f"{name}.html", {"page": page}, headers=headers)

@@ -7,7 +7,7 @@
 
 import { size } from "../../shared/formatLogic.js";
 import { paintPad } from "./padPainter.js";
-import { draw, titled } from "../../shared/components/svg.js";
+import { draw, titled } from "./svg.js";
 
 const BORDER_PX = 2;
 const FONT_PX = 12;

@@ -8,7 +8,7 @@
 import { number } from "../../shared/formatLogic.js";
 import { histogramBars, pairInWords, verificationFacts } from "../verificationLogic.js";
 import { mountFacts } from "../../shared/components/facts.js";
-import { draw, titled } from "../../shared/components/svg.js";
+import { draw, titled } from "./svg.js";
 
 const CHART = { width: 240, height: 96, foot: 16, head: 14, gap: 4 };
 

@@ -1,5 +1,5 @@
 /**
- * The timeline of a flight on a canvas: height above, outcomes below, the frame in between.
+ * The timeline of a flight: heights above, outcomes below, the frame in between.
  *
  * @typedef {import("../timelineLogic.js").Timeline} Timeline
  * @typedef {import("../timelineLogic.js").Part} Part
@@ -14,8 +14,9 @@
  */
 
 import { clock, number } from "../../shared/formatLogic.js";
-import { columnInWords, columnOf, frameAt, timelineInWords, zoomPart } from "../timelineLogic.js";
-import { paintTimeline } from "./timelinePainter.js";
+import { mountPlot } from "../../shared/components/plot.js";
+import { timelineChart } from "../timelineChartLogic.js";
+import { columnInWords, columnOf, frameAt, placeOf, timelineInWords, zoomPart } from "../timelineLogic.js";
 
 const WHEEL_RATE = 0.0018;
 
@@ -26,23 +27,34 @@ const WHEEL_RATE = 0.0018;
 export function mountTimeline(root, { onSeek, onPart }) {
   const find = (/** @type {string} */ name) =>
     /** @type {HTMLElement} */ (root.querySelector(`[data-ref=${name}]`));
-  const canvas = /** @type {HTMLCanvasElement} */ (find("canvas"));
+  const picture = find("picture");
+  const plot = mountPlot(picture);
   const track = find("track");
   /** @type {TimelineState} */
   let state = { timeline: null, other: null, whole: null, part: null, frame: null, timeS: null };
-  let queued = 0;
+  /** @type {unknown[]} */
+  let drawn = [];
   const part = () => state.part ?? state.whole;
 
-  function paint() {
-    queued ||= requestAnimationFrame(() => {
-      queued = 0;
-      paintTimeline(canvas, { ...state, part: part() });
-    });
+  function draw() {
+    const { timeline, other } = state;
+    const shown = part();
+    const wanted = [timeline, other, shown?.first, shown?.last];
+    if (!timeline || !shown || wanted.every((each, at) => each === drawn[at])) return;
+    drawn = wanted;
+    plot.show((colour, width, height) => timelineChart({ timeline, other, part: shown }, colour, width, height));
+  }
+
+  function moveCursor() {
+    const shown = part();
+    const place = shown && state.frame !== null ? placeOf(shown, state.frame) : -1;
+    find("cursor").hidden = !(place >= 0 && place <= 1);
+    find("cursor").style.left = `${100 * place}%`;
   }
 
   /** @param {{clientX: number}} event @returns {number} 0 … 1 */
   function placeUnder(event) {
-    const box = canvas.getBoundingClientRect();
+    const box = track.getBoundingClientRect();
     return Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1);
   }
 
@@ -83,8 +95,6 @@ export function mountTimeline(root, { onSeek, onPart }) {
     const factor = { "+": 2, "=": 2, "-": 0.5, _: 0.5 }[event.key];
     if (factor && !event.ctrlKey && !event.metaKey) zoom(factor, cursorPlace());
   });
-  new ResizeObserver(paint).observe(track);
-  document.addEventListener("themechange", paint);
 
   function cursorPlace() {
     const shown = part();
@@ -106,9 +116,9 @@ export function mountTimeline(root, { onSeek, onPart }) {
       track.setAttribute("aria-valuenow", String(frame ?? 0));
       const time = timeS === null ? "" : `, ${clock(timeS)}`;
       track.setAttribute("aria-valuetext", frame === null ? "none" : `${number(frame)}${time}`);
-      canvas.setAttribute("aria-label", timeline ? timelineInWords(timeline) : "");
-      canvas.setAttribute("role", "img");
-      paint();
+      picture.setAttribute("aria-label", timeline ? timelineInWords(timeline) : "");
+      draw();
+      moveCursor();
     },
   };
 }
