@@ -7,7 +7,6 @@ import re
 import httpx
 import pytest
 
-
 PAGES_WITH_CHARTS = ("/plan", "/flights/0123456789abcdef")
 
 
