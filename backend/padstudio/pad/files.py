@@ -18,7 +18,9 @@ FORMAT = "padstudio.pad"
 VERSION = 1
 # 4000 x 4000 digits and their punctuation, twice.
 MAX_BYTES = 64_000_000
+# Levels 0 … 35; `padstudio.pad.spec.MAX_LEVELS` goes as far as they do.
 _DIGITS = "0123456789abcdefghijklmnopqrstuvwxyz"
+# Left out of the file where nobody knows them.
 _OPTIONAL = ("seed", "method", "unique", "distance")
 
 

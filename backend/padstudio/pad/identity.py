@@ -8,7 +8,9 @@ from typing import Any
 
 from padstudio.pad.spec import Pad
 
+# Begins the QR code's line: what it is, and the version of its form.
 _PREFIX = "padstudio:1"
+# Left out where nobody knows them.
 _OPTIONAL = ("seed", "method", "unique", "distance")
 
 

@@ -19,8 +19,11 @@ from padstudio.pad.crosstalk import Matrix, check_matrix
 Channel = Literal["red", "green", "blue"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
 
+# As many as there are base-36 digits.
 MAX_LEVELS = 36
+# Beyond, windows are so many that no pad needs them.
 MAX_WINDOW = 16
+# A side of a layer: 16 million cells, a pad file of 16 MB.
 MAX_CELLS = 4000
 
 

@@ -24,6 +24,7 @@ MEDIA_TYPES: dict[str, str] = {
     "npy": "application/octet-stream",
     "zip": "application/zip",
 }
+# A piece handed to the network or the disk at a time.
 _CHUNK_BYTES = 1 << 16
 # Smaller documents stay in memory while they are handed over.
 _SPOOL_BYTES = 8 << 20

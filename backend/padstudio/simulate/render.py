@@ -19,6 +19,7 @@ from padstudio.simulate.radiance.lens import check_lens, frame_border
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging, encode_jpeg, expose
 
+# Nearer, the lens itself would touch the ground.
 MIN_HEIGHT_MM = 1.0
 
 

@@ -15,6 +15,7 @@ from padstudio.errors import SpecError
 
 Light = NDArray[np.float32]
 
+# The light is kept in 16 bits until it is developed.
 _RAW_MAX = 65535
 
 

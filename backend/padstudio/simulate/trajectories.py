@@ -24,8 +24,10 @@ FLIGHT_KINDS: tuple[FlightKind, ...] = get_args(FlightKind)
 #: Those that are one movement, usually written as a video.
 VIDEO_KINDS: tuple[FlightKind, ...] = ("hover", "landing", "gusty")
 
+# Eleven minutes of video at 30 frames a second; and 1 km of height.
 MAX_FRAMES = 20_000
 MAX_HEIGHT_MM = 1_000_000.0
+# Of the central differences: far below the fastest wave's period of 0.7 s.
 _STEP_S = 1e-3
 
 

@@ -14,7 +14,9 @@ from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS
 
 U8 = NDArray[np.uint8]
 
+# 4000 x 4000 numbers of one or two digits and their commas, with room to spare.
 MAX_BYTES = 64_000_000
+# Forms without loss; a JPEG would blur levels.
 _PICTURES = (".png", ".bmp", ".tif", ".tiff", ".gif", ".pgm", ".pbm")
 # A marker-field text marks cells that were never filled by 2, and holes by 3.
 _UNFILLED, _HOLE = 2, 3

@@ -21,6 +21,7 @@ from padstudio.pad.coding.verify_kernel import Nearest, Packed, compare_runs
 U64 = NDArray[np.uint64]
 # Comparisons of two windows that an unasked-for search for near windows may take.
 _COMPARISONS = 3e8
+# Pairs that a report lists: as many as a reader looks through.
 _WEAKEST = 20
 
 

@@ -19,6 +19,7 @@ PAPERS_MM: dict[str, tuple[float, float]] = {
     "Legal": (215.9, 355.6),
     "Tabloid": (279.4, 431.8),
 }
+# Beyond these no printer has a sheet or a roll.
 MIN_SIDE_MM = 50.0
 MAX_SIDE_MM = 50_000.0
 _NAMES = {name.lower(): name for name in PAPERS_MM}

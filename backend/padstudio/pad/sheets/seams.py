@@ -12,6 +12,7 @@ from padstudio.errors import SpecError
 
 # Seams in a wide quiet margin fall on a raster of this pitch.
 _QUIET_STEP_MM = 10.0
+# Rounding of sums of cell sizes; far below what a printer places.
 _TOLERANCE_MM = 1e-6
 
 

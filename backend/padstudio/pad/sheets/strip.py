@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from padstudio.pad.sheets.paper import Box
 
+# The strip fits on A4 and Letter, two rows of patches between markers of 14 mm.
 WIDTH_MM = 180.0
 HEIGHT_MM = 54.0
 MARKER_MM = 14.0

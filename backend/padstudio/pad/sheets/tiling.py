@@ -26,6 +26,7 @@ Orientation = Literal["auto", "portrait", "landscape"]
 Joint = Literal["butt", "overlap"]
 Seams = Literal["cells", "anywhere"]
 
+# More sheets than anybody lays out; bounds the size of the document.
 MAX_SHEETS = 2000
 
 

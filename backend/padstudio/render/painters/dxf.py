@@ -22,6 +22,7 @@ _INDEX_COLORS = {
     8: (128, 128, 128),
     250: (0, 0, 0),
 }
+# The drawing's layer of the sheet itself.
 _SHEET = "SHEET"
 
 

@@ -11,6 +11,7 @@ from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.pad.spec import Pad
 from padstudio.render.painters.inks import Ink
 
+# Header and footer: one line of text, and the room that it needs.
 _LONGEST_TEXT = 200
 _TEXT_ROOM_MM = 6.0
 

@@ -18,6 +18,7 @@ from padstudio.pad.spec import Pad
 #: The most pixels of a picture that is held in memory, and of one that is written band by band.
 MAX_ARRAY_PIXELS = 200_000_000
 MAX_FILE_PIXELS = 1_000_000_000
+# Of the picture in memory at a time.
 _BAND_BYTES = 4_000_000
 
 

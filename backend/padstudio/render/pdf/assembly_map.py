@@ -14,6 +14,7 @@ from padstudio.render.painters.raster import paint
 from padstudio.render.pdf.furniture import draw_rulers
 from padstudio.render.pdf.pen import Pen
 
+# The longer side of the pad's picture on the map: fine enough to see how sheets lie.
 _PREVIEW_PX = 400
 _JOINING = {
     "butt": "Cut all four sides of every sheet along its cut marks; lay the sheets edge to edge.",

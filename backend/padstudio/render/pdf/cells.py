@@ -17,6 +17,7 @@ from padstudio.render.painters.rectangles import iter_shapes
 
 # Viewers and printers fill a path as a whole; long paths exceed what small printers hold.
 _SHAPES_PER_PATH = 250
+# Shapes turned into text at a time: bounds the memory in use.
 _SHAPES_PER_BLOCK = 20_000
 _BOX = "%s %s %s %s re\n"
 _LOZENGE = "%s %s m %s %s l %s %s l %s %s l %s %s l %s %s l h\n"

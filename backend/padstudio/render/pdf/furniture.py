@@ -11,6 +11,7 @@ from padstudio.render.pdf.pen import Pen
 
 #: Lengths that a ruler may have, longest first; on smaller sheets the longest multiple of 10 mm.
 RULERS_MM = (1000, 500, 200)
+# What the bands round a sheet's core (`padstudio.pad.sheets.paper.Bands`) have room for.
 _RULER_BAND_MM = 7.0
 _MARK_GAP_MM = 1.0
 _MARK_MM = 3.0

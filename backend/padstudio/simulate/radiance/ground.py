@@ -16,6 +16,7 @@ from padstudio.simulate.radiance.scene import GroundKind
 Plane = NDArray[np.float32]
 Tile = NDArray[np.float32]
 
+# Texels of a tile's side (a power of two, for its levels), and their side: 2 m of ground.
 SIZE = 1024
 TEXEL_MM = 2.0
 

@@ -12,8 +12,11 @@ from padstudio.arrays import Array
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 
+# Normalized coordinates grow without bound toward 180 degrees.
 MAX_FIELD_OF_VIEW_DEG = 170.0
+# A picture's light takes 12 bytes a pixel, 600 MB.
 MAX_PIXELS = 50_000_000
+# Pixels from one exactly inverted ray to the next; those between are interpolated.
 _STEP = 16
 # A small frame bends as much from side to side as a large one.
 _INTERVALS = 64

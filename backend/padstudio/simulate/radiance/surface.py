@@ -14,6 +14,7 @@ from padstudio.pad.layout import layout
 from padstudio.simulate.radiance.ground import SIZE, TEXEL_MM, texture
 from padstudio.simulate.radiance.scene import Light, Scene
 
+# A bright, slightly blue sky.
 _SKY_SRGB = (140.0, 152.0, 176.0)
 
 

@@ -32,6 +32,7 @@ from padstudio.pad.coding.search.spec import FieldSpec, Watch
 # Boards are copied and judged whole at every row: only small tables and short rows pay.
 _MAX_CODES = 2**20
 _MAX_COLS = 500
+# Children of a board, which differ in their random costs.
 _CHILDREN = 3
 # With few windows, every board is much like the others in what it could spare: chance alone, in
 # many narrow beams, was measured to reach the bound soonest.

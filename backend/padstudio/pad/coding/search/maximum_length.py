@@ -27,6 +27,7 @@ I64 = NDArray[np.int64]
 _MAX_STATES = 2**30
 # Polynomials drawn, of which about one in 2 b² is primitive, and strides tried with each.
 _POLYNOMIALS = 1000
+# About 29 % of strides do: sixteen with one polynomial fail in one of 240 cases.
 _STRIDES = 16
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from padstudio.compiled import pure_jit
 
+# SplitMix64's increment (2^64 over the golden ratio), multipliers and shifts.
 _STEP = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
