@@ -29,13 +29,13 @@ def test_the_rule_is_the_codes():
 def row(parameter: Parameter) -> str:
     """A parameter's line of the table."""
     low, high = parameter.low, parameter.high
-    default, bounds = f"{parameter.default:g}", f"{low:.7g} … {high:.7g}"
+    default, bounds = f"{parameter.default:g}", f"{low:.8g} … {high:.8g}"
     if parameter.kind == "bool":
         default, bounds = "on" if parameter.default else "off", "on, off"
     elif parameter.not_below is not None:
-        bounds = f"`{parameter.not_below}` … {high:.7g}"
+        bounds = f"`{parameter.not_below}` … {high:.8g}"
     elif parameter.not_above is not None:
-        bounds = f"{low:.7g} … `{parameter.not_above}`"
+        bounds = f"{low:.8g} … `{parameter.not_above}`"
     cells = (f"`{parameter.name}`", default, bounds, parameter.unit or "–", parameter.text)
     return f"| {' | '.join(cells)} |"
 

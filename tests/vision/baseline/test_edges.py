@@ -10,6 +10,7 @@ from padstudio.vision.baseline.edges import find_edge_map
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Box, Plane
 from padstudio.vision.frame.regions import Region
+from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 WHOLE = Region(Box(0, 0, WIDTH, HEIGHT), None, 0)
@@ -30,12 +31,12 @@ def threshold(plane, at=120.0):
 
 @given(st.floats(200.0, 400.0))
 def test_a_step_is_found_to_a_part_of_a_pixel(at_px):
-    edges = find_edge_map(threshold(step_plane(at_px)), WHOLE, small_camera(), 2)
+    edges = find_edge_map(threshold(step_plane(at_px)), WHOLE, small_camera(), 2, PaperParams())
     assert np.abs(edges.points[:, 0] - at_px).max() < 0.2
 
 
 def test_dilation_covers_the_edge_and_its_neighbours():
-    edges = find_edge_map(threshold(step_plane(300.0)), WHOLE, small_camera(), 2)
+    edges = find_edge_map(threshold(step_plane(300.0)), WHOLE, small_camera(), 2, PaperParams())
     row = np.flatnonzero(edges.thin[HEIGHT // 2])
     assert len(row) == 1
     assert np.flatnonzero(edges.mask[HEIGHT // 2]).tolist() == [row[0] - 1, row[0], row[0] + 1]
@@ -45,7 +46,7 @@ def test_edges_off_the_pads_colour_are_dropped():
     mask = np.zeros((HEIGHT, WIDTH), bool)
     mask[: HEIGHT // 2] = True
     region = Region(Box(0, 0, WIDTH, HEIGHT), mask, 0)
-    edges = find_edge_map(threshold(step_plane(300.0)), region, small_camera(), 2)
+    edges = find_edge_map(threshold(step_plane(300.0)), region, small_camera(), 2, PaperParams())
     rows = np.nonzero(edges.thin)[0]
     assert rows.min() < 5
     assert rows.max() == HEIGHT // 2 - 1
@@ -53,7 +54,7 @@ def test_edges_off_the_pads_colour_are_dropped():
 
 def test_nothing_to_see_is_a_failure_with_figures():
     flat = Plane(np.full((HEIGHT, WIDTH), 90, np.float32), "blue", 0, 0, 0)
-    found = find_edge_map(threshold(flat), WHOLE, small_camera(), 2)
+    found = find_edge_map(threshold(flat), WHOLE, small_camera(), 2, PaperParams())
     assert isinstance(found, StageFailure)
     assert found.reason is Reason.NO_EDGES
     assert "0 edge pixels in blue" in found.detail
@@ -64,7 +65,10 @@ def test_with_more_levels_steps_between_bright_levels_count():
     plane.values[:, :100] = 0.0
     binary = threshold(plane)
     columns = [
-        set(np.nonzero(find_edge_map(binary, WHOLE, small_camera(), levels).thin)[1] // 10)
+        set(
+            np.nonzero(find_edge_map(binary, WHOLE, small_camera(), levels, PaperParams()).thin)[1]
+            // 10
+        )
         for levels in (2, 3)
     ]
     assert 9 in columns[1] or 10 in columns[1]

@@ -7,6 +7,7 @@ from paper_frames import HEIGHT, WIDTH, edge_map
 
 from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.baseline.hough import find_merged_lines, homogeneous
+from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 
@@ -27,7 +28,7 @@ UPRIGHT = [((x, 40), (x, 440)) for x in (150, 300, 450)]
 
 
 def test_pieces_of_a_line_become_one():
-    found = find_merged_lines(drawn([*DASHES, *UPRIGHT]))
+    found = find_merged_lines(drawn([*DASHES, *UPRIGHT]), PaperParams())
     flat = [k for k, line in enumerate(found.homogeneous) if abs(line[1]) > 0.99]
     assert len(found.ends) == 4
     assert len(flat) == 1
@@ -38,14 +39,16 @@ def test_pieces_of_a_line_become_one():
 
 
 def test_parallel_lines_stay_apart():
-    found = find_merged_lines(drawn([((50, y), (590, y)) for y in (100, 112, 124, 136)]))
+    found = find_merged_lines(
+        drawn([((50, y), (590, y)) for y in (100, 112, 124, 136)]), PaperParams()
+    )
     offsets = np.sort(np.abs(found.homogeneous[:, 2]))
     np.testing.assert_allclose(offsets, (100, 112, 124, 136), atol=0.4)
 
 
 def test_a_slanting_line_is_fitted_to_a_part_of_a_pixel():
     strokes = [((40, 60), (600, 401)), *UPRIGHT]
-    found = find_merged_lines(drawn(strokes))
+    found = find_merged_lines(drawn(strokes), PaperParams())
     true = homogeneous(np.array([strokes[0]], float))[0]
     slanting = min(found.homogeneous, key=lambda line: abs(abs(line @ [*true[:2], 0]) - 1))
     for x in (40, 320, 600):
@@ -58,10 +61,10 @@ def test_both_forms_of_the_hough_transforms_answer_are_read(monkeypatch, shape):
     edges = drawn([*DASHES, *UPRIGHT])
     segments = np.array([[*start, *end] for start, end in [*DASHES, *UPRIGHT]], np.int32)
     monkeypatch.setattr(cv2, "HoughLinesP", lambda *_, **__: segments.reshape(shape))
-    assert len(find_merged_lines(edges).ends) == 4
+    assert len(find_merged_lines(edges, PaperParams()).ends) == 4
 
 
 def test_no_lines_is_a_failure():
-    found = find_merged_lines(edge_map())
+    found = find_merged_lines(edge_map(), PaperParams())
     assert isinstance(found, StageFailure)
     assert found.reason is Reason.TOO_FEW_LINES

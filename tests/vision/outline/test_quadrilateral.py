@@ -17,6 +17,7 @@ from padstudio.vision.outline.quadrilateral import (
     find_outline,
     outline_pose,
 )
+from padstudio.vision.stage.params import OutlineParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 
@@ -28,7 +29,7 @@ def half_camera():
 def found_in(image, camera, pad=None):
     pad = pad or sample_pad()
     pyramid = Pyramid(image)
-    return find_outline(pyramid, camera, pad, find_regions(pyramid, pad)[0])
+    return find_outline(pyramid, camera, pad, find_regions(pyramid, pad)[0], OutlineParams())
 
 
 def posed(image, camera, pad=None):

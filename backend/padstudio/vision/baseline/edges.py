@@ -13,10 +13,9 @@ from padstudio.geometry.camera import Camera
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.frame.regions import Region
+from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
-# Canny's two thresholds on a stretched picture of 0 … 255; a black and white one passes any.
-_LOW, _HIGH = 40.0, 110.0
 _LEAST_EDGES = 100
 # The grey plane's steepest place is looked for this far from Canny's, pixels of the plane.
 _SEARCH = 2
@@ -62,7 +61,7 @@ class EdgeMap:
 
 
 def find_edge_map(
-    binary: Binary, region: Region, camera: Camera, levels: int
+    binary: Binary, region: Region, camera: Camera, levels: int, params: PaperParams
 ) -> EdgeMap | StageFailure:
     """Canny edges on the pad's colour, dilated so that the Hough transform sees whole lines.
 
@@ -75,13 +74,14 @@ def find_edge_map(
         At the frame's size.
     levels : int
         Y; with more than two levels black and white would lose lines, so the grey plane is taken.
+    params : PaperParams
 
     References
     ----------
     Canny, J. (1986). A computational approach to edge detection. doi:10.1109/TPAMI.1986.4767851
     """
     picture = binary.mask if levels == 2 else _gray(binary.plane)
-    thin = np.asarray(cv2.Canny(picture, _LOW, _HIGH), np.uint8)
+    thin = np.asarray(cv2.Canny(picture, params.canny_low, params.canny_high), np.uint8)
     y, x = np.nonzero(thin)
     off = ~region.holds(binary.plane.to_frame(np.stack([x, y], axis=1).astype(float)))
     thin[y[off], x[off]] = 0

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.vision.baseline.edges import EdgeMap
+from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
-# A segment must gather this share of the plane's longer side, and may have gaps of this share:
-# cells of equal level have no border between them.
-_LEAST_LENGTH, _MOST_GAP = 0.035, 0.015
-_LEAST_VOTES = 20
+# Segments are at least this long, and may have gaps of this length, however small the plane.
+_LEAST_LENGTH_PX, _LEAST_GAP_PX = 12.0, 4.0
 # The longest segments tell the lines; a picture full of grass has thousands of short ones.
 _MOST_SEGMENTS, _MOST_LINES = 1000, 160
 # Segments whose ends lie this near to a line belong to it, pixels of the plane.
@@ -52,7 +51,7 @@ class Lines:
         return homogeneous(self.ends)
 
 
-def find_merged_lines(edges: EdgeMap) -> Lines | StageFailure:
+def find_merged_lines(edges: EdgeMap, params: PaperParams) -> Lines | StageFailure:
     """Probabilistic Hough transform; near-collinear segments become one line each.
 
     A merged line is fitted to the undilated edge points along it: that is what makes its position
@@ -63,7 +62,7 @@ def find_merged_lines(edges: EdgeMap) -> Lines | StageFailure:
     Matas, J., Galambos, C. and Kittler, J. (2000). Robust detection of lines using the
     progressive probabilistic Hough transform. doi:10.1006/cviu.1999.0831
     """
-    segments = _hough(edges)
+    segments = _hough(edges, params)
     if len(segments) < _LEAST_LINES:
         return StageFailure(
             "lines",
@@ -94,15 +93,15 @@ def homogeneous(ends: Array) -> Array:
     return np.column_stack([normal, -(normal * ends[:, 0]).sum(axis=1)])
 
 
-def _hough(edges: EdgeMap) -> Array:
+def _hough(edges: EdgeMap, params: PaperParams) -> Array:
     side = max(edges.mask.shape)
     found = cv2.HoughLinesP(
         edges.mask,
         1,
         math.pi / 360,
-        _LEAST_VOTES,
-        minLineLength=max(_LEAST_LENGTH * side, 12.0),
-        maxLineGap=max(_MOST_GAP * side, 4.0),
+        params.hough_votes,
+        minLineLength=max(params.hough_length * side, _LEAST_LENGTH_PX),
+        maxLineGap=max(params.hough_gap * side, _LEAST_GAP_PX),
     )
     if found is None:
         return np.zeros((0, 2, 2))

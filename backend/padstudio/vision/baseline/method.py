@@ -111,7 +111,8 @@ class Baseline:
     def _from_outline(self, frame: _Frame) -> OutlinePose | StageFailure:
         run, limits = frame.recorder.run, self.params.paper
         pyramid, camera = frame.pyramid, frame.camera
-        found = run("outline", None, find_outline, pyramid, camera, self.pad, frame.region)
+        sought = (self.pad, frame.region, self.params.outline)
+        found = run("outline", None, find_outline, pyramid, camera, *sought)
         if isinstance(found, StageFailure):
             return found
         bound = self.params.log10_false_alarm
@@ -190,11 +191,18 @@ class Baseline:
         binary = run("block_mean", channel, block_mean, plane, params.blocks)
         cleaned = run("clean", channel, clean, binary, params.speck_px)
         edges = run(
-            "edges", channel, find_edge_map, cleaned, frame.region, frame.camera, self.pad.levels
+            "edges",
+            channel,
+            find_edge_map,
+            cleaned,
+            frame.region,
+            frame.camera,
+            self.pad.levels,
+            params,
         )
         if isinstance(edges, StageFailure):
             return edges
-        lines = run("lines", channel, find_merged_lines, edges)
+        lines = run("lines", channel, find_merged_lines, edges, params)
         if isinstance(lines, StageFailure):
             return lines
         return run("lines", channel, find_line_grid, lines)

@@ -25,8 +25,6 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 
 # Lines are no better than this share of a plane's pixel, whatever their residuals say.
 _LEAST_SIGMA = 0.1
-# The pose from the window must put the lattice's other crossings within this part of a cell.
-_MOST_OFF = 0.35
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +101,12 @@ def window_pose(
     answers = [pose for pose in (planar.pose, planar.other) if pose is not None]
     offsets = [_off_lattice(pad, camera, read, pose) for pose in answers]
     best = int(np.argmin(offsets))
-    if not offsets[best] < _MOST_OFF:
+    if not offsets[best] < params.most_off_cells:
         return StageFailure(
             "pose",
             Reason.POSE_REJECTED,
             f"the pose from the window's corners puts the other lines {offsets[best]:.2f} cells "
-            f"off, {_MOST_OFF} at the most is sound",
+            f"off, {params.most_off_cells:g} at the most is sound",
         )
     pose, corners = answers[best], read.window.corners_xy
     residuals = corner_residuals(pose, camera, points_mm, corners)

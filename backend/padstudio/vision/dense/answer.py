@@ -15,16 +15,17 @@ from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import most_residual_px
 from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.stage.detection import Detection, Uncertainty
+from padstudio.vision.stage.params import RefineParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 
-def unfit(refined: RefinedPose | None) -> StageFailure | None:
+def unfit(refined: RefinedPose | None, params: RefineParams) -> StageFailure | None:
     """Why no pose may be given, or None where borders lie where the pose puts them."""
     if refined is None:
         detail = "no layer's borders stand where the first pose puts them"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
     residual, cell = refined.fit.rms_px, refined.cell_px
-    if residual > most_residual_px(cell):
+    if residual > most_residual_px(cell, params):
         detail = f"borders lie {residual:.1f} px off, with cells of {cell:.1f} px"
         return StageFailure("pose", Reason.POSE_REJECTED, detail)
     return None

@@ -48,12 +48,10 @@ from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
-# A sign larger than this in the frame shows cells that a lattice reads, if anything does.
-_FAR_SIDE_PX = 800
 # While following, layers with cells of this width and number must agree.
 _READABLE_PX, _ENOUGH = 5.0, 30
 # Where so many cells of the fitted layer agree, a lock cannot have slipped.
-_SURE_BOUND, _SURE_KAPPA = -30.0, 0.8
+_SURE_KAPPA = 0.8
 
 
 class Dense:
@@ -80,7 +78,8 @@ class Dense:
         frame = examine(bgr, self.pad, self.camera, self.params.prepare, recorder)
         pyramid, camera, stretch = frame.pyramid, frame.camera, frame.stretch
         search = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
-        small = [region for region in frame.regions[:-1] if region.box.side <= _FAR_SIDE_PX]
+        most = self.params.outline.largest_px
+        small = [region for region in frame.regions[:-1] if region.box.side <= most]
         found = self._by_outline(search, small)
         if found is not None:
             return found
@@ -178,7 +177,7 @@ class Dense:
 
         Layers besides the fitted one are read where that leaves a doubt.
         """
-        failure = unfit(refined)
+        failure = unfit(refined, self.params.refine)
         if failure is not None or refined is None:
             recorder.note("pose", None, failure)
             return Detection(None, failure), []
@@ -202,4 +201,5 @@ class Dense:
         bound = self.params.log10_false_alarm
         if refiner.attempts:
             return evidence.suffices(bound)
-        return evidence.suffices(min(bound, _SURE_BOUND), least_kappa=_SURE_KAPPA)
+        bound = min(bound, self.params.refine.log10_sure)
+        return evidence.suffices(bound, least_kappa=_SURE_KAPPA)

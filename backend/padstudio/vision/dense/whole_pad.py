@@ -1,8 +1,8 @@
 """The dense method's last resort: a pad so far away that only the sign as a whole is there.
 
-The four sides of the pad's colour give a pose for each of the four turns; the whole pattern is
-then matched to the frame from each of them, and the cells, read with the matched pose, tell which
-turn it is and whether it is this pad at all.
+The four sides of the pad's colour give a pose for each of the four quarter turns; the whole pattern
+is then matched to the frame from each of them, and the cells, read with the matched pose, tell
+which one it is, and whether it is this pad at all.
 """
 
 from __future__ import annotations
@@ -77,15 +77,17 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
 def outline_in(refiner: Refiner, region: Region, finest: int = 0) -> Outline | StageFailure:
     """The sign's four sides in a region, to a part of a pixel of the pyramid's level."""
     shape = sharper(refiner.pyramid, refiner.pad, region)
-    return find_outline(refiner.pyramid, refiner.camera, refiner.pad, shape, finest)
+    params = refiner.params.outline
+    return find_outline(refiner.pyramid, refiner.camera, refiner.pad, shape, params, finest)
 
 
 def poses_of(outline: Outline, pad: Pad) -> list[list[MovingPose]]:
-    """For each turn the pose that shows the pad's corners where the outline's are, with its
+    """For each quarter turn the pose that shows the pad's corners where the outline's are, with its
     mirrored answer where there is one."""
     found = []
-    for turn in range(4):
-        planar = planar_pose(np.roll(outline_mm(pad), turn, axis=0), outline.corners_rays)
+    for quarter_turns in range(4):
+        corners_mm = np.roll(outline_mm(pad), quarter_turns, axis=0)
+        planar = planar_pose(corners_mm, outline.corners_rays)
         if planar is not None:
             poses = [planar.pose, planar.other]
             found.append([MovingPose(pose) for pose in poses if pose is not None])
@@ -93,7 +95,7 @@ def poses_of(outline: Outline, pad: Pad) -> list[list[MovingPose]]:
 
 
 def readable_poses(outline: Outline, refiner: Refiner) -> list[MovingPose]:
-    """Of `poses_of` those of the turn in which coarse cells agree with the pad best, if any do."""
+    """Of `poses_of` those whose coarse cells agree with the pad best, if any do."""
     best: tuple[float, list[MovingPose]] = (-np.inf, [])
     for poses in poses_of(outline, refiner.pad):
         read = _read_coarse(refiner, poses[0])
@@ -113,7 +115,7 @@ def _matched(
 
 
 def _read_coarse(refiner: Refiner, pose: MovingPose) -> LayerRead | None:
-    """The coarse layer's cells; the outline leaves four turns to choose from."""
+    """The coarse layer's cells; the outline leaves four quarter turns to choose from."""
     pad = refiner.pad
     coarse = max(pad.layers, key=lambda layer: layer.cell_mm)
     return read_layer(refiner.pyramid, refiner.camera, pad, coarse, pose, 4)

@@ -3,7 +3,7 @@
 From afar the windows are small but the sign is whole. Its four sides are fitted to where the
 pad's colour ends, to a part of a pixel and without the lens's distortion; their crossings are the
 corners. Which corner is which, and whether it is this pad at all, the cells tell: each of the four
-turns gives a pose, and the cells are read with it.
+quarter turns gives a pose, and the cells are read with it.
 """
 
 from __future__ import annotations
@@ -22,17 +22,16 @@ from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.frame.regions import Region
+from padstudio.vision.frame.regions import Region, unused_channels
 from padstudio.vision.outline.corner_pose import (
     corner_covariance,
     corner_residuals,
     corner_sigma_px,
 )
-from padstudio.vision.outline.sides import Side, fit_side
+from padstudio.vision.outline.sides import Side, SideView, fit_side
+from padstudio.vision.stage.params import OutlineParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
-# A sign seen at this few pixels a side has no readable cells.
-_LEAST_SIDE_PX = 30.0
 # The four sides must enclose the region: this share of its area at the least and at the most.
 _AREA_SHARE = (0.75, 1.2)
 # Corners this far beyond the frame may be where sides still meet; sides must lie within it.
@@ -77,7 +76,7 @@ class OutlinePose:
     pose : Pose
     outline : Outline
     read : LayerRead
-        The layer whose cells tell the turn best.
+        The layer whose cells tell the quarter turn best.
     camera : Camera
         At the frame's size.
     points_mm : (4, 3) float64
@@ -98,7 +97,12 @@ class OutlinePose:
 
 
 def find_outline(
-    pyramid: Pyramid, camera: Camera, pad: Pad, region: Region, finest: int = 0
+    pyramid: Pyramid,
+    camera: Camera,
+    pad: Pad,
+    region: Region,
+    params: OutlineParams,
+    finest: int = 0,
 ) -> Outline | StageFailure:
     """Fit four straight sides to a region of pad colour.
 
@@ -110,6 +114,7 @@ def find_outline(
     pad : Pad
     region : Region
         As of `padstudio.vision.frame.regions.find_regions`.
+    params : OutlineParams
     finest : int
         The pyramid's level that suffices.
 
@@ -131,10 +136,8 @@ def find_outline(
     sides: list[Side] = []
     for level in range(region.level, min(finest, region.level) - 1, -1):
         reach = (_FIRST_REACH if level == region.level else _NEXT_REACH) * (1 << level)
-        fitted = [
-            fit_side(pyramid, camera, pad, level, corners[[k, (k + 1) % 4]], reach)
-            for k in range(4)
-        ]
+        view = SideView(pyramid, camera, level, unused_channels(pad), params.most_profiles)
+        fitted = [fit_side(view, corners[[k, (k + 1) % 4]], reach) for k in range(4)]
         sides = [side for side in fitted if side is not None]
         if len(sides) < 4:
             return _failure("a side of the pad shows no clear step to what is round it")
@@ -142,13 +145,13 @@ def find_outline(
         corners = camera.denormalize(rays)
         if not np.isfinite(corners).all():
             return _failure("two sides of the pad do not meet")
-    return _checked(Outline(corners, rays, tuple(sides), region), pyramid)
+    return _checked(Outline(corners, rays, tuple(sides), region), pyramid, params.least_side_px)
 
 
 def outline_pose(
     outline: Outline, pyramid: Pyramid, camera: Camera, pad: Pad, log10_false_alarm: float
 ) -> OutlinePose | StageFailure:
-    """The pose of an outline: of its four turns the one that the cells bear out.
+    """The pose of an outline: of its four quarter turns the one that the cells bear out.
 
     Parameters
     ----------
@@ -161,8 +164,8 @@ def outline_pose(
         The bound that the cells' evidence must keep.
     """
     best: tuple[LayerRead, Pose, Array] | None = None
-    for turn in range(4):
-        points_mm = np.roll(outline_mm(pad), turn, axis=0)
+    for quarter_turns in range(4):
+        points_mm = np.roll(outline_mm(pad), quarter_turns, axis=0)
         planar = planar_pose(points_mm, outline.corners_rays)
         if planar is None:
             continue
@@ -224,7 +227,7 @@ def _cross(a: Array, b: Array) -> Array:
         return np.asarray(point[:2] / point[2], float)
 
 
-def _checked(outline: Outline, pyramid: Pyramid) -> Outline | StageFailure:
+def _checked(outline: Outline, pyramid: Pyramid, least_px: float) -> Outline | StageFailure:
     corners = outline.corners_xy
     size = np.array([pyramid.width, pyramid.height])
     if (corners < -_BORDER_PX).any() or (corners > size - 1 + _BORDER_PX).any():
@@ -233,11 +236,11 @@ def _checked(outline: Outline, pyramid: Pyramid) -> Outline | StageFailure:
     if not cv2.isContourConvex(quad.reshape(-1, 1, 2)):
         return _failure("the four sides cross one another")
     shortest = float(np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1).min())
-    if shortest < _LEAST_SIDE_PX:
+    if shortest < least_px:
         return StageFailure(
             "outline",
             Reason.CELLS_TOO_SMALL,
-            f"a side of the pad is {shortest:.0f} px long, {_LEAST_SIDE_PX:.0f} are needed",
+            f"a side of the pad is {shortest:.0f} px long, {least_px:.0f} are needed",
             "fly lower",
         )
     return outline

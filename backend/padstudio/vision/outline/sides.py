@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -11,12 +12,9 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.color import linear_from_srgb
 from padstudio.geometry.camera import Camera
-from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.frame.regions import unused_channels
 
-# Profiles across a side: their number at the most, and positions along each in units of its reach.
-_MOST_PROFILES = 240
+# Positions along a profile across a side, in units of its reach.
 _STEPS = np.linspace(-1.0, 1.0, 25)
 # Near the corners the other side disturbs.
 _TRIM = 0.04
@@ -50,14 +48,30 @@ class Side:
     sigma_px: float
 
 
-def fit_side(
-    pyramid: Pyramid,
-    camera: Camera,
-    pad: Pad,
-    level: int,
-    ends: Array,
-    reach_px: float,
-) -> Side | None:
+class SideView(NamedTuple):
+    """What a side is looked for in.
+
+    Attributes
+    ----------
+    pyramid : Pyramid
+    camera : Camera
+        At the frame's size.
+    level : int
+        Level of the pyramid that profiles are taken from.
+    unused : list of int
+        As of `padstudio.vision.frame.regions.unused_channels`.
+    most_profiles : int
+        At the most so many are taken.
+    """
+
+    pyramid: Pyramid
+    camera: Camera
+    level: int
+    unused: list[int]
+    most_profiles: int
+
+
+def fit_side(view: SideView, ends: Array, reach_px: float) -> Side | None:
     """Fit the side between two rough corners.
 
     Across the rough side, short profiles are taken of whichever tells pad from ground more
@@ -66,12 +80,7 @@ def fit_side(
 
     Parameters
     ----------
-    pyramid : Pyramid
-    camera : Camera
-        At the frame's size.
-    pad : Pad
-    level : int
-        Level of the pyramid that profiles are taken from.
+    view : SideView
     ends : (2, 2) float64
         Frame pixels; the pad lies to the right of the way from the first to the second one, as a
         clockwise order has it in a picture.
@@ -87,17 +96,17 @@ def fit_side(
     if length < 4.0:
         return None
     reach_px = min(reach_px, 0.35 * length)
-    count = int(np.clip(length / (1 << level), _LEAST_POINTS, _MOST_PROFILES))
-    feet, outward = _feet(camera, ends, count)
+    count = int(np.clip(length / (1 << view.level), _LEAST_POINTS, view.most_profiles))
+    feet, outward = _feet(view.camera, ends, count)
     at = feet[:, None] + (reach_px * _STEPS)[None, :, None] * outward[:, None]
-    values = _clearest(_sample(pyramid, level, at), unused_channels(pad))
+    values = _clearest(_sample(view.pyramid, view.level, at), view.unused)
     if values is None:
         return None
     shift, good = _half_way(values)
     if good.sum() < _LEAST_POINTS:
         return None
     points = feet[good] + (shift[good] * reach_px)[:, None] * outward[good]
-    return _robust_line(points, camera, outward[good].mean(axis=0))
+    return _robust_line(points, view.camera, outward[good].mean(axis=0))
 
 
 def _feet(camera: Camera, ends: Array, count: int) -> tuple[Array, Array]:

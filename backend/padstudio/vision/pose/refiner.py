@@ -27,12 +27,10 @@ from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import MOVING, STILL, Fit, MotionModel, better_of, fit_pose
 from padstudio.vision.pose.results import LayerFit, RefinedPose
-from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.params import DetectorParams, RefineParams
 
-# Profiles reach this far, and are taken where a cell is about this wide, pixels of the window.
-_REACH_PX = 6.0
+# Profiles are taken where a cell is about this wide, pixels of the window.
 _CELL_PX = 9.0
-_MOST_RESIDUAL = 0.12
 # So many places lie within reach of an expected pose.
 _NEAR_BY = 25
 # So many borders decide between a still and a moving camera; all of them then fit the pose.
@@ -170,7 +168,7 @@ class Refiner:
         if self.is_far(last):
             fit = self._match(last)
             # Glare bends the shading beyond what the match allows for; borders bear it.
-            if fit is not None and fit.rms_px <= most_residual_px(last.cell_px):
+            if fit is not None and fit.rms_px <= most_residual_px(last.cell_px, self.params.refine):
                 return fit, None
         measured = self._measure(last.layer, last.borders, last.pose, last.cell_px, sharper=1)
         rolling = self.params.refine.motion
@@ -226,9 +224,9 @@ class Refiner:
         level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
         level = max(0, level - sharper)
         window = self.pyramid.window(layer.channel, level)
-        return measure(borders, window, self.camera, pose, _REACH_PX)
+        return measure(borders, window, self.camera, pose, self.params.refine.reach_px)
 
 
-def most_residual_px(cell_px: float) -> float:
+def most_residual_px(cell_px: float, params: RefineParams) -> float:
     """Residuals beyond this mean that the borders are not those of cells of this width."""
-    return _MOST_RESIDUAL * cell_px + 1.0
+    return params.most_residual_cells * cell_px + 1.0

@@ -72,8 +72,28 @@ class SearchParams(_Group):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OutlineParams(_Group):
+    """The four sides of the whole pad."""
+
+    largest_px: int = parameter(
+        800, 32, 65536, "px",
+        "The dense method looks for four sides where a region's longer side is at most this, "
+        "before any lattice; smaller misses far pads, and is slower.",
+    )  # fmt: skip
+    least_side_px: float = parameter(
+        30.0, 8.0, 10_000.0, "px",
+        "A pad with a shorter side in the frame has no outline; less reaches farther, and errs "
+        "more often.",
+    )  # fmt: skip
+    most_profiles: int = parameter(
+        240, 8, 10_000, "",
+        "So many short profiles across a side at the most; more are slower and surer.",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
 class RefineParams(_Group):
-    """How the pose is measured on the borders of cells."""
+    """How the pose is fitted to the borders of cells."""
 
     most_borders: int = parameter(
         3000, 50, 1_000_000, "",
@@ -91,7 +111,7 @@ class RefineParams(_Group):
     )  # fmt: skip
     least_cell_px: float = parameter(
         3.2, 2.0, 100.0, "px",
-        "Layers whose cells are smaller than this in the frame are not measured.",
+        "Layers whose cells are smaller than this in the frame are not fitted.",
     )  # fmt: skip
     align_below_px: float = parameter(
         5.0, 0.0, 100.0, "px",
@@ -106,6 +126,21 @@ class RefineParams(_Group):
     followed_pixels: int = parameter(
         8000, 500, 10_000_000, "",
         "The same where the last frame's pose is followed; `most_pixels` bounds it, too.",
+    )  # fmt: skip
+    reach_px: float = parameter(
+        6.0, 2.0, 50.0, "px",
+        "Half length of the profiles across borders, at the scale where cells are about 9 px "
+        "wide; longer forgive a worse start, and are slower.",
+    )  # fmt: skip
+    most_residual_cells: float = parameter(
+        0.12, 0.02, 1.0, "cells",
+        "A pose is refused where borders lie farther off than this and a pixel, root mean "
+        "square; larger bears with bent pads and poor camera files.",
+    )  # fmt: skip
+    log10_sure: float = parameter(
+        -30.0, -300.0, -6.0, "log10",
+        "Where the last frame's pose is followed, every layer is read unless the fitted one "
+        "alone leaves a chance below this power of ten; lower is slower.",
     )  # fmt: skip
     motion: bool = switch(
         True,
@@ -141,6 +176,33 @@ class PaperParams(_Group):
         "A pose is given where the bound on the chance of a false match, over the cells of the "
         "lattice, is below this power of ten; one window alone reaches about −3.",
     )  # fmt: skip
+    canny_low: float = parameter(
+        40.0, 0.0, 1000.0, "grey values",
+        "Canny's lower threshold, of a pad of more than two levels; less keeps fainter edges.",
+    )  # fmt: skip
+    canny_high: float = parameter(
+        110.0, "canny_low", 1000.0, "grey values",
+        "Canny's upper threshold, likewise; less begins more edges.",
+    )  # fmt: skip
+    hough_votes: int = parameter(
+        20, 1, 10_000, "",
+        "Edge pixels that a line must gather in the Hough transform; fewer find shorter lines, "
+        "and more of them that are none.",
+    )  # fmt: skip
+    hough_length: float = parameter(
+        0.035, 0.001, 0.5, "share of the picture's longer side",
+        "A segment must be so long; less finds the lines of smaller cells, and takes longer.",
+    )  # fmt: skip
+    hough_gap: float = parameter(
+        0.015, 0.0, 0.5, "share of the picture's longer side",
+        "A segment may have gaps of this length: cells of equal level have no border between "
+        "them.",
+    )  # fmt: skip
+    most_off_cells: float = parameter(
+        0.35, 0.01, 1.0, "cells",
+        "A pose from four corners is refused where it puts the lattice's other cells farther "
+        "off than this, root mean square.",
+    )  # fmt: skip
     most_position_share: float = parameter(
         0.03, 0.0, 1.0, "share of height",
         "A pose from four corners is refused where one standard deviation of its position is "
@@ -164,5 +226,6 @@ class DetectorParams(_Group):
     )  # fmt: skip
     prepare: PrepareParams = field(default_factory=PrepareParams)
     search: SearchParams = field(default_factory=SearchParams)
+    outline: OutlineParams = field(default_factory=OutlineParams)
     refine: RefineParams = field(default_factory=RefineParams)
     paper: PaperParams = field(default_factory=PaperParams)
