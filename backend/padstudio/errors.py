@@ -37,6 +37,10 @@ class StudioError(Exception):
         self.detail = detail or {}
 
 
+class TaskStoppedError(Exception):
+    """The task was told to stop; what it had done is dropped."""
+
+
 class SpecError(StudioError):
     """A pad is asked for that cannot be, or is beyond a limit."""
 

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from padstudio.errors import SpecError
-from padstudio.flights.cluster.task import TaskStoppedError
+from padstudio.errors import SpecError, TaskStoppedError
 
 
 @dataclass(frozen=True)

@@ -8,16 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from padstudio.errors import StudioError
+from padstudio.errors import StudioError, TaskStoppedError
 from padstudio.workers.inside import known_fault
 
 logger = logging.getLogger(__name__)
 
 Kind = Literal["value", "refused", "crashed", "lost"]
-
-
-class TaskStoppedError(Exception):
-    """The task was told to stop; what it had done is dropped."""
 
 
 class Task(Protocol):

@@ -16,8 +16,7 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
-from padstudio.errors import ImageError, StudioError
-from padstudio.flights.cluster.task import TaskStoppedError
+from padstudio.errors import ImageError, StudioError, TaskStoppedError
 from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.media import images
 from padstudio.media.remote import read_bytes
