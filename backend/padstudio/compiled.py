@@ -8,11 +8,12 @@ calling old code of a loop in another file.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import os
 import shutil
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar
@@ -131,12 +132,25 @@ def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     return dispatcher
 
 
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Without looking for garbage, of which there is none among what is imported."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
 @cache
 def _numba() -> Any:
     """Numba, which from then on takes `Compiled` loops that others call for its own."""
-    import numba
-    from numba.core import types
-    from numba.extending import typeof_impl
+    with _no_collection():
+        import numba
+        from numba.core import types
+        from numba.extending import typeof_impl
 
     @typeof_impl.register(Compiled)
     def type_of(loop: Compiled[..., Any], _context: object) -> Any:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from command_line import ENVIRONMENT, assert_one_line_error, run
+from places import SAMPLES
 from typer.testing import CliRunner
 
 import padstudio
@@ -13,6 +14,8 @@ from padstudio import Pad
 from padstudio.cli import program
 from padstudio.errors import StudioError
 from padstudio.geometry import presets
+
+PAD, CAMERA, PICTURE = (SAMPLES / n for n in ("pad.json", "camera.yaml", "height_1300mm.jpg"))
 
 
 def test_version():
@@ -184,3 +187,42 @@ def test_help_needs_no_opencv():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+LOADED = """
+import sys
+from padstudio.cli.program import main
+try:
+    main()
+finally:
+    print(*sorted({name.partition(".")[0] for name in sys.modules}), file=sys.stderr)
+"""
+#: What no short command needs.
+SPARE = {"alembic", "asyncio", "av", "dask", "distributed", "fastapi", "fsspec", "jinja2"}
+SPARE |= {"multiprocessing", "plotly", "pymavlink", "reportlab", "rich", "sqlalchemy", "ssl"}
+
+
+def libraries_of(*arguments):
+    """Top-level names of all that is imported while a command runs in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(done.stderr.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "may"),
+    [
+        (["--version"], set()),
+        (["--help"], {"rich"}),
+        (["detect", "-q", "--pad", PAD, "--camera", CAMERA, PICTURE], {"cv2", "numba", "PIL"}),
+        (["generate", "--cells", "30", "-o", "pad.json"], {"cv2", "numba"}),
+    ],
+)
+def test_a_command_imports_only_what_it_uses(arguments, may, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    heavy = SPARE | {"cv2", "numba", "PIL"}
+    assert libraries_of(*arguments) & heavy <= may

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import cv2
 
@@ -23,14 +23,15 @@ from padstudio.flights.tasks.frames import (
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
 from padstudio.media import images, video_index
 from padstudio.media.sources import is_video
-from padstudio.workers.inside import Limits
-from padstudio.workers.pool import WorkerPool
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 #: A still that takes longer is given up,
 FRAME_SECONDS = 120.0
 #: and frames of a video that take longer each.
 VIDEO_FRAME_SECONDS = 10.0
-_LIMITS = Limits(memory_bytes=4_000_000_000)
+_WORKER_MEMORY_BYTES = 4_000_000_000
 # Frames of a video that are followed in one go; each go begins at a keyframe.
 _CHUNK_FRAMES = 120
 
@@ -179,8 +180,12 @@ def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -
 
 
 def _in_order(pieces: Sequence[Piece], jobs: int) -> Iterator[list[Record]]:
+    # Few frames are detected in this process, which then need not know of others.
+    from padstudio.workers.inside import Limits
+    from padstudio.workers.pool import WorkerPool
+
     ahead = 2 * jobs
-    pool = WorkerPool(jobs, _LIMITS, max_waiting=ahead)
+    pool = WorkerPool(jobs, Limits(_WORKER_MEMORY_BYTES), max_waiting=ahead)
     waiting: deque[tuple[Piece, Future[list[Record]]]] = deque()
     try:
         for piece in pieces:
