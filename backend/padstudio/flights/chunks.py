@@ -17,9 +17,10 @@ from sqlalchemy.orm import Session, sessionmaker, undefer
 from padstudio.flights.results.rows import insert_rows, rows_of
 from padstudio.flights.tasks.frames import Record
 from padstudio.flights.tasks.planning import Plan
-from padstudio.store.database.flight_tables import ChunkRow, FlightRow
+from padstudio.store.database.flight_tables import OPEN, ChunkRow, FlightRow
 
-OPEN = ("queued", "running")
+# Enough for the slowest disk and a machine full of other work; only what hangs takes longer.
+_LEASE_S, _FRAME_LEASE_S = 600.0, 10.0
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,8 @@ class Chunks:
         session: sessionmaker[Session],
         *,
         attempts: int = 3,
-        lease_s: float = 600.0,
-        frame_lease_s: float = 10.0,
+        lease_s: float = _LEASE_S,
+        frame_lease_s: float = _FRAME_LEASE_S,
     ) -> None:
         self._session, self._attempts = session, attempts
         self._lease_s, self._frame_lease_s = lease_s, frame_lease_s

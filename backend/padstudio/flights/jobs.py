@@ -27,6 +27,7 @@ from padstudio.store.database.flight_tables import (
     FrameRow,
 )
 
+# Of one transaction: other writers wait for no more than these.
 _DELETE_ROWS = 20_000
 
 

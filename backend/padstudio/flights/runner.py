@@ -20,7 +20,9 @@ from padstudio.store.database.flight_tables import ChunkRow, FlightRow
 
 logger = logging.getLogger(__name__)
 
+# Between looks for tasks that hang; new work and ended tasks wake the thread at once.
 _IDLE_S = 1.0
+# After a fault of the database or the engine.
 _RETRY_S = 5.0
 # Waits between tries to store a result.
 _STORE_AGAIN_S = (1.0, 5.0, 20.0)

@@ -28,9 +28,11 @@ if TYPE_CHECKING:
 MAX_FRAMES = 2_000_000
 # Intervals between frames that differ by more than this share are a variable rate.
 _RATE_TOLERANCE = 0.02
+# Containers round their length; less than this is no loss.
 _SECONDS_TOLERANCE = 1.0
 # Share of equal intervals from which longer ones are gaps rather than a variable rate.
 _STEADY_SHARE = 0.9
+# FFmpeg's AV_TIME_BASE.
 _CONTAINER_UNITS = 1_000_000
 
 

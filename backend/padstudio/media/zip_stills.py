@@ -29,6 +29,7 @@ _UNREADABLE = (
 )
 # Generous for a directory's entry: 46 bytes, its name and its extra fields.
 _ENTRY_BYTES = 1000
+# The two records at a zip's end with the longest comment: 22 + 56 + 20 + 65 535.
 _TAIL_BYTES = 66_000
 
 

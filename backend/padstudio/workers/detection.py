@@ -26,6 +26,7 @@ METHODS: tuple[Method, ...] = get_args(Method)
 RESULT = "result"
 RESULT_PICTURE = f"{RESULT}.png"
 THUMBNAIL_PREFIX = "small-"
+#: Pages show thumbnails smaller still.
 THUMBNAIL_WIDTH_PX = 480
 _THIN_STAGES = ("edges",)
 _ENCODING = {

@@ -24,7 +24,7 @@ from padstudio.errors import LimitError, StudioError, full_disk
 READY = "ready"
 # A look at the pipes takes 20 us; a step of a task may be shorter than that.
 _LOOK_EVERY_S = 0.005
-# After so long without work, what is free goes back to the system.
+# After so long without work, memory that is free goes back to the system.
 _IDLE_S = 1.0
 # From glibc's malloc.h. Large frames come and go; giving their memory back each time costs a
 # sixth of a video's time (57 against 67 frames of 12 MB a second).

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
+# Until a scheduler that does not answer is given up.
 _CONNECT_S = 15
 # How often a task asks whether it is to stop; the question goes to the scheduler and back.
 _ASK_EVERY_S = 0.25

@@ -10,6 +10,7 @@ from typing import Any
 from padstudio.errors import StudioError
 from padstudio.flights.cluster.engine import Cluster, configure, security_of
 
+# Until all processes have joined; their imports take most of it.
 _CONNECT_S = 30
 
 

@@ -37,6 +37,7 @@ _CONVENTION = {
     "camera": "x right in the picture, y down, z forward; metres",
     "pose": "of the camera in the pad frame; only where a frame gave one",
 }
+# Foxglove's number of `PointsAnnotation.LINE_LIST`.
 _LINE_LIST = 4
 _GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 1.0}
 _RED = {"r": 0.95, "g": 0.25, "b": 0.2, "a": 1.0}

@@ -17,6 +17,7 @@ Record = dict[str, Any]
 
 #: Seconds from one still to the next, as stills have no times.
 STILL_INTERVAL_S = 1.0
+# Sent at a time: what a socket takes at once.
 _BLOCK_BYTES = 64 * 1024
 
 

@@ -12,7 +12,7 @@ from padstudio.arrays import Image
 from padstudio.errors import StudioError
 from padstudio.flights.exports.options import Record
 from padstudio.flights.results.frames import Results
-from padstudio.flights.tasks.frames import StillPart, VideoPart, read_still
+from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import still_part, video_part
 from padstudio.geometry.camera import Camera
 from padstudio.media import images
@@ -25,7 +25,7 @@ Run = Callable[..., Any]
 
 # Enough that seeking costs little, few enough to hold.
 _BLOCK_FRAMES = 48
-_BYTES_OF_TIMESTAMP = 8
+# For people and feature finders, of frames that a camera has compressed before.
 _JPEG_QUALITY = 90
 
 
@@ -88,8 +88,8 @@ class FlightPictures:
         if not chunk.pts:
             part: StillPart | VideoPart = still_part(self._flight.sources, number)
             return {number: self._run(jpegs, part, self._max_pixels)[0]}
-        start = (number - chunk.first_frame) // stride * _BYTES_OF_TIMESTAMP
-        pts = chunk.pts[start : start + _BLOCK_FRAMES * _BYTES_OF_TIMESTAMP]
+        start = (number - chunk.first_frame) // stride * BYTES_OF_TIMESTAMP
+        pts = chunk.pts[start : start + _BLOCK_FRAMES * BYTES_OF_TIMESTAMP]
         part = video_part(self._flight.sources[chunk.source], pts)
         found = self._run(jpegs, part, self._max_pixels)
         return {number + place * stride: data for place, data in enumerate(found)}

@@ -14,13 +14,14 @@ from padstudio.arrays import Array, Image
 from padstudio.errors import ImageError
 from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import rotation_of
-from padstudio.flights.tasks.frames import StillPart, read_still
+from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, read_still
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Pad
 
-_BYTES_OF_TIMESTAMP = 8
+# JPEG's, of pictures that a page plays one after the other.
 _QUALITY = 82
+# As lenses bend the sides.
 _POINTS_A_SIDE = 24
 _PAD_COLOUR = (0, 220, 255)
 _AXIS_COLOURS = ((60, 60, 235), (60, 200, 60), (235, 120, 60))
@@ -102,7 +103,7 @@ def _decode(job: PictureJob) -> Image:
     if isinstance(part, StillPart):
         return read_still(part, job.max_pixels)
     # The frames before it, which the detector would follow, are not needed.
-    part = replace(part, pts=part.pts[-_BYTES_OF_TIMESTAMP:])
+    part = replace(part, pts=part.pts[-BYTES_OF_TIMESTAMP:])
     found = [picture.bgr for picture in part.read(job.max_pixels) if picture.bgr is not None]
     if not found:
         raise ImageError(

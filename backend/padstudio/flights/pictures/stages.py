@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from padstudio.errors import ImageError
 from padstudio.flights.tasks.detectors import Recipe, detector_for
-from padstudio.flights.tasks.frames import StillPart, VideoPart, read_still
+from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import recipe_of, still_part, video_part
 from padstudio.store.database.flight_tables import ChunkRow, FlightRow
 from padstudio.vision.stage.detection import Detection
@@ -23,7 +23,6 @@ Kind = Literal["webp", "png"]
 FRAME, RESULT = "frame", "result"
 # A followed frame is read with what the frames before it taught; so many teach enough.
 _FRAMES_BEFORE = 6
-_BYTES_OF_TIMESTAMP = 8
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ def picture_job(
     if chunk.pts:
         place = (number - chunk.first_frame) // flight.request["stride"]
         first = max(0, place - _FRAMES_BEFORE)
-        pts = chunk.pts[first * _BYTES_OF_TIMESTAMP : (place + 1) * _BYTES_OF_TIMESTAMP]
+        pts = chunk.pts[first * BYTES_OF_TIMESTAMP : (place + 1) * BYTES_OF_TIMESTAMP]
         part = video_part(flight.sources[chunk.source], pts)
     else:
         part = still_part(flight.sources, number)

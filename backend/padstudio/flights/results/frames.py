@@ -12,6 +12,7 @@ from padstudio.errors import NotFoundError
 from padstudio.flights.results.rows import Record, record_of, select_rows
 from padstudio.store.database.flight_tables import ChunkRow, FlightRow, FrameRow
 
+# Held in memory at a time, a few megabytes.
 _READ_ROWS = 2_000
 
 

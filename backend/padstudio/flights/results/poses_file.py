@@ -13,6 +13,7 @@ from padstudio.errors import StudioError
 
 Record = dict[str, Any]
 
+# Read at a time from a file's end.
 _BLOCK_BYTES = 1 << 16
 _BEGINNING = b'{"source": '
 _SHAPES = {"position_mm": 3, "quaternion_xyzw": 4}

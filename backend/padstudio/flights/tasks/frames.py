@@ -28,6 +28,10 @@ Record = dict[str, Any]
 logger = logging.getLogger(__name__)
 
 
+#: Of one frame in `VideoPart.pts`.
+BYTES_OF_TIMESTAMP = 8
+
+
 @dataclass(frozen=True)
 class VideoPart:
     """Frames of one video.

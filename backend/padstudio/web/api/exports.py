@@ -40,6 +40,7 @@ _FILE: dict[int | str, dict[str, Any]] = {
         },
     }
 }
+# Until an export asks again for a process that requests left none of.
 _BUSY_SECONDS = 0.2
 _WITH_CAMERA = ("colmap", "mcap")
 _Metres = Annotated[float, Query(ge=-100, le=100, description="Camera in the body frame, m.")]

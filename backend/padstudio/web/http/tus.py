@@ -20,6 +20,7 @@ MEDIA_TYPE = "application/offset+octet-stream"
 #: On every answer under the address of uploads, errors among them.
 EVERYWHERE = {"Tus-Resumable": VERSION, "Tus-Version": VERSION}
 
+# Characters; a name of 200 takes 1100 in base64.
 _MAX_METADATA = 4000
 
 

@@ -18,7 +18,9 @@ from padstudio.errors import LimitError, NotFoundError, StudioError
 from padstudio.store.database.data_folder import new_id, remove
 from padstudio.workers.simulated_flights import STOP, frames_done
 
+#: Jobs that may wait or run at a time.
 MAX_OPEN = 10
+# Jobs that are over and keep their archives on disk.
 _KEPT = 5
 _OPEN = ("queued", "running")
 _log = logging.getLogger(__name__)
