@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 import worker_jobs
 
@@ -185,3 +187,25 @@ def test_another_process_answers_where_a_task_takes_no_steps() -> None:
     assert not hanging.future.done()
     pool.close()
     assert isinstance(hanging.future.exception(30), WorkerCrashError)
+
+
+_SERVER = """
+import sys, time, worker_jobs
+from padstudio.workers.inside import Limits
+from padstudio.workers.pool import WorkerPool
+if __name__ == "__main__":
+    pool = WorkerPool(1, Limits(10**9), 0)
+    print(pool.submit(worker_jobs.identify, 0, timeout_s=60).result()[1], flush=True)
+    pool.start(worker_jobs.wait, 600)
+    time.sleep(600)
+"""
+
+
+def test_a_process_ends_with_its_server_also_in_the_middle_of_a_step() -> None:
+    folder = Path(worker_jobs.__file__).parent
+    command = [sys.executable, "-c", _SERVER]
+    with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE) as server:
+        assert server.stdout is not None
+        worker = psutil.Process(int(server.stdout.readline()))
+        server.kill()
+    worker.wait(30)

@@ -8,9 +8,11 @@ the task goes on. Two pipes lead to the pool, one for each.
 from __future__ import annotations
 
 import ctypes
+import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable
@@ -66,8 +68,17 @@ def serve(requests: Connection, tasks: Connection, limits: Limits) -> None:
     # Ctrl-C reaches the whole group; the server ends its workers itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _limit(limits)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     _here = _Here(requests, tasks)
     _here.serve()
+
+
+def _end_with_parent() -> None:
+    """Also in the middle of a step, whose result nobody waits for any more."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
 
 
 class _Here:
