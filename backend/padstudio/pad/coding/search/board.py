@@ -142,7 +142,7 @@ def take(board: Board, code: int) -> None:
         counts[LENGTH] += 1
 
 
-@pure_jit
+@inlined_jit
 def _take_changed(board: Board, code: int, first: int) -> None:
     """Take the codes that the changes from ``first`` on make of a code."""
     for k in range(first, len(board.changes)):
@@ -164,7 +164,7 @@ def give_back(board: Board, length: int) -> None:
     board.counts[LENGTH] = length
 
 
-@pure_jit
+@inlined_jit
 def _find_changes(board: Board, code: int) -> None:
     """Enter what each other level of each cell, the last cell first, would add to a code."""
     levels, weight, k = board.rules.levels, 1, 0

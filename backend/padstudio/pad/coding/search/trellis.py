@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from padstudio.compiled import pure_jit
+from padstudio.compiled import inlined_jit, pure_jit
 from padstudio.pad.coding.search.board import LENGTH, U8, Board, is_taken, take, take_near
 from padstudio.pad.coding.search.random import draw
 
@@ -27,7 +27,7 @@ _SPREAD = np.uint64(0xD6E8FEB86659FD93)
 _N32, _N58 = np.uint64(32), np.uint64(58)
 
 
-@pure_jit
+@inlined_jit
 def _block(board: Board, first: int, w: int) -> int:
     """The number of b − 1 lines of window w, from one on."""
     block = 0
@@ -45,7 +45,8 @@ def find_paths(board: Board, row: int, first: int, last: int) -> None:
     field, taken, free, value = board.field, board.taken, board.free, board.value
     b, levels = board.rules.window, board.rules.levels
     across, states, per = board.lines.shape[1], value.shape[1], board.turned.shape[2]
-    upper = len(free) // per
+    upper, choice, bias = len(free) // per, board.choice, board.costs.bias
+    visible = board.rules.visible_lines
     scarce = board.costs.scarce if row < len(field) - 1 else 0
     value[across, :] = 0
     for w in range(last - 1, first - 1, -1):
@@ -53,8 +54,8 @@ def find_paths(board: Board, row: int, first: int, last: int) -> None:
         noise = board.state[0] * _SPREAD
         block = _block(board, 0, w)
         code, below = block * per, block % upper * per
-        above = board.lines[b - 2, w] if board.rules.visible_lines else -1
-        flat = board.rules.visible_lines and _equal_columns(field, row, w + b - 1, b)
+        above = board.lines[b - 2, w] if visible else -1
+        flat = visible and _equal_columns(field, row, w + b - 1, b)
         sums = field[row - 1, w + b - 1] + (field[row - 2, w + b - 1] if b > 2 else 0)
         for s in range(states):
             best, level = _CLOSED, 0
@@ -72,11 +73,11 @@ def find_paths(board: Board, row: int, first: int, last: int) -> None:
                 if scarce:
                     cost += scarce // left
                 if (v + sums) % levels:
-                    cost += board.costs.bias
+                    cost += bias
                 if cost < best:
                     best, level = cost, v
             value[w, s] = best
-            board.choice[w, s] = level
+            choice[w, s] = level
 
 
 @pure_jit
@@ -115,14 +116,16 @@ def walk(board: Board, row: int, first: int) -> int:
             for i in range(b):
                 code += board.turned[turn, i, lines[i, w]]
             take(board, code)
-            take_near(board, code, board.rules.distance - 1)
+            # A call costs as much as all else here: a board is large.
+            if board.rules.distance > 1:
+                take_near(board, code, board.rules.distance - 1)
         s = option % states
         if row < len(field) - 1 and not _reach_on(board, w):
             return w
     return int(across)
 
 
-@pure_jit
+@inlined_jit
 def _reach_on(board: Board, w: int) -> bool:
     """Enter the states that the row below can have after window w; whether there are any."""
     reach, levels = board.reach, board.rules.levels
