@@ -29,7 +29,13 @@ from padstudio import Camera, Detector, Pad
 detector = Detector(Pad.load({str(PAD)!r}), Camera.load({str(CAMERA)!r}))
 assert detector.detect(cv2.imread({str(PICTURE)!r})).ok
 """
-PROGRAM = "from padstudio.cli.program import main; main()"
+PROGRAM = """
+try:
+    from padstudio.cli.program import main
+except ImportError:  # where an older checkout has it
+    from padstudio.cli import main
+main()
+"""
 DETECT = ["detect", "--pad", PAD, "--camera", CAMERA, PICTURE]
 
 
