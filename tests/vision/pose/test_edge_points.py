@@ -10,7 +10,7 @@ from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.pose.edge_points import measure, visible_borders
+from padstudio.vision.pose.edge_points import find_edge_points, visible_borders
 
 
 @given(seed=st.integers(0, 10**6), levels=st.integers(2, 4))
@@ -52,7 +52,7 @@ def measured_in(imaging, pose, reach_px=6.0):
     borders = borders_amid(pad, pad.layers[1], 7.5)
     pyramid = Pyramid(frame_of(pose, camera=camera, imaging=imaging))
     window = pyramid.window("blue", 0)
-    return borders, measure(borders, window, camera, MovingPose(pose), reach_px)
+    return borders, find_edge_points(borders, window, camera, MovingPose(pose), reach_px)
 
 
 def test_borders_are_measured_where_they_are():

@@ -5,7 +5,7 @@ import pytest
 from dense_frames import all_borders, errors, random_pose, sample_pad, small_camera
 
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
-from padstudio.vision.pose.edge_points import Measured
+from padstudio.vision.pose.edge_points import EdgePoints
 from padstudio.vision.pose.least_squares import MOVING, STILL, MotionModel, better_of, fit_pose
 
 CAMERA = small_camera()
@@ -20,7 +20,7 @@ def measured_by(pose, *, noise_px=0.0, seed=0, layer=1):
     keep = (xy > 0).all(axis=1) & (xy < [CAMERA.width - 1, CAMERA.height - 1]).all(axis=1)
     which = np.flatnonzero(keep)
     noisy = xy[which] + rng.normal(0, noise_px, (len(which), 2)) if noise_px else xy[which]
-    return Measured(borders.take(which), noisy, np.ones(len(which)))
+    return EdgePoints(borders.take(which), noisy, np.ones(len(which)))
 
 
 def nudged(pose, seed=1, mm=6.0, rad=0.01):
@@ -41,10 +41,10 @@ def test_exact_borders_give_the_exact_pose(seed):
 
 def test_a_fifth_of_wild_borders_does_not_matter():
     pose = random_pose(np.random.default_rng(7), 900.0)
-    measured = measured_by(MovingPose(pose), noise_px=0.1)
-    wild = np.arange(len(measured.xy)) % 5 == 0
-    measured.xy[wild] += np.random.default_rng(2).uniform(-9, 9, (wild.sum(), 2))
-    fit = fit_pose(nudged(pose), measured, CAMERA, STILL, iterations=8)
+    edge_points = measured_by(MovingPose(pose), noise_px=0.1)
+    wild = np.arange(len(edge_points.xy)) % 5 == 0
+    edge_points.xy[wild] += np.random.default_rng(2).uniform(-9, 9, (wild.sum(), 2))
+    fit = fit_pose(nudged(pose), edge_points, CAMERA, STILL, iterations=8)
     assert fit is not None
     assert errors(fit.pose.pose, pose)[0] < 0.1
     assert fit.inliers[~wild].mean() > 0.95
@@ -55,10 +55,10 @@ def test_the_covariance_is_true_for_a_shutter_that_does_not_roll():
     pose = random_pose(np.random.default_rng(5), 900.0, tilt_deg=30.0)
     squares = []
     for seed in range(60):
-        measured = measured_by(MovingPose(pose), noise_px=0.3, seed=seed)
+        edge_points = measured_by(MovingPose(pose), noise_px=0.3, seed=seed)
         fit = fit_pose(
             MovingPose(pose),
-            measured,
+            edge_points,
             CAMERA,
             MotionModel(moving=False, rolling=False),
             iterations=4,
@@ -71,9 +71,9 @@ def test_the_covariance_is_true_for_a_shutter_that_does_not_roll():
 
 def test_a_shutter_that_may_roll_leaves_height_against_tilt_in_doubt():
     pose = random_pose(np.random.default_rng(5), 900.0, tilt_deg=5.0)
-    measured = measured_by(MovingPose(pose), noise_px=0.1)
+    edge_points = measured_by(MovingPose(pose), noise_px=0.1)
     sure, unsure = (
-        fit_pose(MovingPose(pose), measured, CAMERA, MotionModel(moving=False, rolling=rolling))
+        fit_pose(MovingPose(pose), edge_points, CAMERA, MotionModel(moving=False, rolling=rolling))
         for rolling in (False, True)
     )
     assert sure is not None
@@ -91,10 +91,10 @@ def test_a_shutter_that_may_roll_leaves_height_against_tilt_in_doubt():
 def test_motion_within_a_frame_is_found_and_chosen():
     pose = random_pose(np.random.default_rng(3), 900.0, tilt_deg=10.0)
     true = MovingPose(pose, np.array([5.0, -4.0, 0.0]), np.array([0.002, 0.001, 0.004]))
-    measured = measured_by(true, noise_px=0.1)
-    still = fit_pose(nudged(pose), measured, CAMERA, STILL, iterations=6)
+    edge_points = measured_by(true, noise_px=0.1)
+    still = fit_pose(nudged(pose), edge_points, CAMERA, STILL, iterations=6)
     assert still is not None
-    moving = fit_pose(still.pose, measured, CAMERA, MOVING, iterations=6)
+    moving = fit_pose(still.pose, edge_points, CAMERA, MOVING, iterations=6)
     assert moving is not None
     assert better_of(still, moving) is moving
     assert errors(moving.pose.pose, pose)[0] < errors(still.pose.pose, pose)[0]
@@ -105,10 +105,10 @@ def test_motion_within_a_frame_is_found_and_chosen():
 
 def test_a_still_camera_stays_still_and_the_other_model_is_doubt():
     pose = random_pose(np.random.default_rng(3), 900.0)
-    measured = measured_by(MovingPose(pose), noise_px=0.3)
-    still = fit_pose(nudged(pose), measured, CAMERA, STILL, iterations=6)
+    edge_points = measured_by(MovingPose(pose), noise_px=0.3)
+    still = fit_pose(nudged(pose), edge_points, CAMERA, STILL, iterations=6)
     assert still is not None
-    moving = fit_pose(still.pose, measured, CAMERA, MOVING, iterations=6)
+    moving = fit_pose(still.pose, edge_points, CAMERA, MOVING, iterations=6)
     chosen = better_of(still, moving)
     assert chosen.pose is still.pose
     assert np.linalg.eigvalsh(chosen.covariance - still.covariance)[0] > -1e-9
@@ -118,11 +118,11 @@ def test_a_still_camera_stays_still_and_the_other_model_is_doubt():
 def test_a_known_climb_is_told_from_tilt():
     pose = random_pose(np.random.default_rng(9), 900.0, tilt_deg=5.0)
     true = MovingPose(pose, np.array([0.0, 0.0, -9.0]))
-    measured = measured_by(true, noise_px=0.1)
+    edge_points = measured_by(true, noise_px=0.1)
     known = KnownMotion(np.array([0.0, 0.0, -9.0]), np.zeros(3), 0.5)
-    blind = fit_pose(MovingPose(pose), measured, CAMERA, MOVING, iterations=6)
+    blind = fit_pose(MovingPose(pose), edge_points, CAMERA, MOVING, iterations=6)
     told = fit_pose(
-        MovingPose(pose), measured, CAMERA, MotionModel(moving=True, known=known), iterations=6
+        MovingPose(pose), edge_points, CAMERA, MotionModel(moving=True, known=known), iterations=6
     )
     assert blind is not None
     assert told is not None
@@ -135,6 +135,7 @@ def test_a_known_climb_is_told_from_tilt():
 
 def test_too_few_borders_are_no_fit():
     pose = random_pose(np.random.default_rng(3), 900.0)
-    measured = measured_by(MovingPose(pose))
-    few = Measured(measured.borders.take(np.arange(11)), measured.xy[:11], measured.weight[:11])
+    edge_points = measured_by(MovingPose(pose))
+    borders = edge_points.borders.take(np.arange(11))
+    few = EdgePoints(borders, edge_points.xy[:11], edge_points.weight[:11])
     assert fit_pose(MovingPose(pose), few, CAMERA, STILL) is None

@@ -46,7 +46,7 @@ def test_a_rough_start_climbs_from_the_coarse_layer_to_the_fine_one():
     assert found.layer is RED
     assert errors(found.fit.pose.pose, pose)[0] < 0.1
     assert found.cell_px == pytest.approx(440 * 10 / 600, rel=0.2)
-    assert len(found.fit.inliers) == len(found.measured.xy)
+    assert len(found.fit.inliers) == len(found.edge_points.xy)
 
 
 def test_a_start_a_cell_off_is_not_polished_into_a_pose():

@@ -18,9 +18,12 @@ from padstudio.geometry.pose import Pose, rotation_from_vector
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.vision.stage.detection import Detection
 
+# Chosen by the first 60 frames of both flights of the footage (mean position error 0.0830 % of the
+# height); what halving or doubling changes is named.
 # Sums of the share's least squares are forgotten by this factor a frame.
 _MEMORY = 0.98
-# The share is used once it is known to about this.
+# The share is used once it is known to about this, and after so many frames. Half: 0.0846, and
+# 0.0811; double: the same, and 0.0926.
 _KNOWN = 0.08
 _LEAST_FRAMES = 4
 # A known change of height may be off by this share of the height.

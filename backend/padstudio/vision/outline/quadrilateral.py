@@ -36,7 +36,8 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 _AREA_SHARE = (0.75, 1.2)
 # Corners this far beyond the frame may be where sides still meet; sides must lie within it.
 _BORDER_PX = 2.0
-# The mask's rough sides are known to so many pixels of its level, finer levels need fewer.
+# The mask's rough sides are known to so many pixels of its level, finer levels need fewer. A
+# first reach of 12 loses one of 76 stills of the footage.
 _FIRST_REACH, _NEXT_REACH = 6.0, 4.0
 
 

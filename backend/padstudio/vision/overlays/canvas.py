@@ -191,10 +191,10 @@ class Canvas:
 
         Where the pattern was matched as a whole, its borders are marked where the pose puts them.
         """
-        if found.measured is None:
+        if found.edge_points is None:
             self.dots(found.fit.pose.project(found.camera, found.borders.points_mm), SECOND)
             return
-        at = self._at(found.measured.xy)
+        at = self._at(found.edge_points.xy)
         for inlier, color in ((False, WRONG), (True, SECOND)):
             for xy in at[found.fit.inliers == inlier]:
                 self._dot(xy, 1.2, color)

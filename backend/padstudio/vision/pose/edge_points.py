@@ -32,7 +32,7 @@ _TELLING = 200
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class EdgePoints:
     """Borders found in a picture.
 
     Attributes
@@ -48,13 +48,13 @@ class Measured:
     xy: Array
     weight: Array
 
-    def thinned(self, most: int) -> Measured:
+    def thinned(self, most: int) -> EdgePoints:
         """At most ``most`` of them, evenly spread."""
         stride = -(-len(self.xy) // most)
         if stride <= 1:
             return self
         which = np.arange(0, len(self.xy), stride)
-        return Measured(self.borders.take(which), self.xy[which], self.weight[which])
+        return EdgePoints(self.borders.take(which), self.xy[which], self.weight[which])
 
 
 def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
@@ -93,9 +93,9 @@ def _widths_px(borders: Borders, camera: Camera, pose: MovingPose) -> Array:
     return np.asarray(np.nan_to_num(20 * np.hypot(step[:, 0], step[:, 1])))
 
 
-def measure(
+def find_edge_points(
     borders: Borders, window: Window, camera: Camera, pose: MovingPose, reach_px: float
-) -> Measured:
+) -> EdgePoints:
     """Find each border's step near where a pose predicts it.
 
     Along the normal of each predicted border a short profile is taken, averaged over three lines
@@ -121,4 +121,4 @@ def measure(
     which, xy, weight = edge_points_kernel.find_borders(
         borders, pose.projector(camera), window, reach_px
     )
-    return Measured(borders.take(which), xy, weight)
+    return EdgePoints(borders.take(which), xy, weight)

@@ -36,7 +36,7 @@ from padstudio.vision.pose.covariance import (
     pose_covariance,
     tiles_of,
 )
-from padstudio.vision.pose.edge_points import LEAST_BORDERS, Measured
+from padstudio.vision.pose.edge_points import LEAST_BORDERS, EdgePoints
 from padstudio.vision.pose.least_squares_kernel import Sightings
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
@@ -114,14 +114,18 @@ STILL, MOVING = MotionModel(moving=False), MotionModel(moving=True)
 
 
 def fit_pose(
-    start: MovingPose, measured: Measured, camera: Camera, model: MotionModel, iterations: int = 4
+    start: MovingPose,
+    edge_points: EdgePoints,
+    camera: Camera,
+    model: MotionModel,
+    iterations: int = 4,
 ) -> Fit | None:
     """Fit a pose to measured borders by robust Gauss–Newton.
 
     Parameters
     ----------
     start : MovingPose
-    measured : Measured
+    edge_points : EdgePoints
     camera : Camera
     model : MotionModel
     iterations : int
@@ -131,11 +135,11 @@ def fit_pose(
     Fit or None
         None where fewer than twelve borders were measured, or they leave the pose undetermined.
     """
-    if len(measured.xy) < LEAST_BORDERS:
+    if len(edge_points.xy) < LEAST_BORDERS:
         return None
     prior = MotionPrior.of(start, model)
     begin = start if model.moving else MovingPose(start.pose)
-    borders, xy, weight = measured.borders, measured.xy, measured.weight
+    borders, xy, weight = edge_points.borders, edge_points.xy, edge_points.weight
     row_time = row_times(camera, xy[:, 1])
     seen = Sightings(borders.points_mm, borders.along_mm, camera.normalize(xy), row_time, weight)
     found = least_squares_kernel.fit(

@@ -19,9 +19,9 @@ from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.edge_points import (
     LEAST_BORDERS,
-    Measured,
+    EdgePoints,
+    find_edge_points,
     measurable_borders,
-    measure,
 )
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.image_alignment import Match
@@ -29,15 +29,21 @@ from padstudio.vision.pose.least_squares import MOVING, STILL, Fit, MotionModel,
 from padstudio.vision.pose.results import LayerFit, RefinedPose
 from padstudio.vision.stage.params import DetectorParams, RefineParams
 
-# Profiles are taken where a cell is about this wide, pixels of the window.
+# What these constants were chosen by: halved or doubled they left 76 of 76 stills of the footage
+# good and 12 of 12 negatives silent; named are those that moved the error of stills (median
+# 0.0172 % of the height) or of the first 60 frames of both flights (mean 0.0830 %).
+# Profiles are taken where a cell is about this wide, pixels of the window. Half: stills 0.0190;
+# double: stills 0.0175, flights 0.1092.
 _CELL_PX = 9.0
 # So many places lie within reach of an expected pose.
 _NEAR_BY = 25
 # So many borders decide between a still and a moving camera; all of them then fit the pose.
+# Double: stills 0.0183.
 _DECIDING = 800
 # Borders this near to their prediction, in cells, need not be measured again to settle.
 _SETTLED = 0.1
 # Expectations this near, in cells, need no coarser layer's help, and no first look.
+# Double: flights 0.0849 and 0.0841.
 _WITHIN, _HERE = 0.2, 0.05
 # Residuals this small, in cells, need no motion to be brought nearer.
 _QUIET = 0.05
@@ -123,8 +129,8 @@ class Refiner:
         """The layer with the pose that a few of its borders lead to."""
         few, cell_px = last.borders.thinned(self.params.refine.few_borders), last.cell_px
         for _ in range(times):
-            measured = self._measure(last.layer, few, last.pose, cell_px, sharper=0)
-            fit = self._fit(last.pose, measured, iterations=3, quiet_px=_QUIET * cell_px)
+            edge_points = self._edge_points(last.layer, few, last.pose, cell_px, sharper=0)
+            fit = self._fit(last.pose, edge_points, iterations=3, quiet_px=_QUIET * cell_px)
             if fit is None:
                 break
             away_px = last.pose.apart_px(fit.pose, self.camera.focal_px)
@@ -140,14 +146,14 @@ class Refiner:
         two layers together would tell a pose that suits neither.
         """
         for last in reversed(layer_fits):
-            fit, measured = self._finish(last)
+            fit, edge_points = self._finish(last)
             if fit is None:
                 continue
             read = self.read(last.layer, fit.pose)
             if read is not None and read.evidence.suffices(0.0):
-                borders = last.borders if measured is None else measured.borders
+                borders = last.borders if edge_points is None else edge_points.borders
                 camera, cell_px = self.camera, last.cell_px
-                return RefinedPose(fit, last.layer, borders, measured, camera, cell_px, read)
+                return RefinedPose(fit, last.layer, borders, edge_points, camera, cell_px, read)
         return None
 
     def is_far(self, last: LayerFit) -> bool:
@@ -163,24 +169,26 @@ class Refiner:
         pose, rms_px = (last.pose, np.inf) if fit is None else (fit.pose, fit.rms_px)
         return [*layer_fits[:-1], replace(last, pose=pose, rms_px=rms_px, match=match)]
 
-    def _finish(self, last: LayerFit) -> tuple[Fit | None, Measured | None]:
+    def _finish(self, last: LayerFit) -> tuple[Fit | None, EdgePoints | None]:
         """The best pose by a layer: by the whole pattern from afar, else by all borders."""
         if self.is_far(last):
             fit = self._match(last)
             # Glare bends the shading beyond what the match allows for; borders bear it.
             if fit is not None and fit.rms_px <= most_residual_px(last.cell_px, self.params.refine):
                 return fit, None
-        measured = self._measure(last.layer, last.borders, last.pose, last.cell_px, sharper=1)
+        edge_points = self._edge_points(
+            last.layer, last.borders, last.pose, last.cell_px, sharper=1
+        )
         rolling = self.params.refine.motion
         if self.motion is not None and rolling:
-            return self._fit(last.pose, measured, iterations=4), measured
-        fit = self._fit(last.pose, measured.thinned(_DECIDING), iterations=3)
+            return self._fit(last.pose, edge_points, iterations=4), edge_points
+        fit = self._fit(last.pose, edge_points.thinned(_DECIDING), iterations=3)
         if fit is None:
-            return None, measured
+            return None, edge_points
         motion = not fit.pose.still
         model = MotionModel(motion, rolling=rolling)
-        full = fit_pose(fit.pose, measured, self.camera, model, iterations=2)
-        return (replace(full, doubt=fit.doubt) if full else fit), measured
+        full = fit_pose(fit.pose, edge_points, self.camera, model, iterations=2)
+        return (replace(full, doubt=fit.doubt) if full else fit), edge_points
 
     def _match(self, last: LayerFit) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
@@ -200,16 +208,16 @@ class Refiner:
         return better_of(still, match.fit(still.pose, MOVING))
 
     def _fit(
-        self, start: MovingPose, measured: Measured, *, iterations: int, quiet_px: float = 0.0
+        self, start: MovingPose, edge_points: EdgePoints, *, iterations: int, quiet_px: float = 0.0
     ) -> Fit | None:
         """A still fit, or a moving one where its motion is known or the residuals ask for it."""
         if self.motion is not None and self.params.refine.motion:
             model = MotionModel(moving=True, known=self.motion)
-            return fit_pose(start, measured, self.camera, model, iterations)
-        fit = fit_pose(start, measured, self.camera, STILL, iterations=iterations)
+            return fit_pose(start, edge_points, self.camera, model, iterations)
+        fit = fit_pose(start, edge_points, self.camera, STILL, iterations=iterations)
         if fit is None or not self.params.refine.motion or fit.rms_px < quiet_px:
             return fit
-        moving = fit_pose(fit.pose, measured, self.camera, MOVING, iterations)
+        moving = fit_pose(fit.pose, edge_points, self.camera, MOVING, iterations)
         return better_of(fit, moving)
 
     def read(self, layer: Layer, pose: MovingPose) -> LayerRead | None:
@@ -218,13 +226,13 @@ class Refiner:
         places = everywhere if self.attempts else _NEAR_BY
         return read_layer(self.pyramid, self.camera, self.pad, layer, pose, places)
 
-    def _measure(
+    def _edge_points(
         self, layer: Layer, borders: Borders, pose: MovingPose, cell_px: float, *, sharper: int
-    ) -> Measured:
+    ) -> EdgePoints:
         level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
         level = max(0, level - sharper)
         window = self.pyramid.window(layer.channel, level)
-        return measure(borders, window, self.camera, pose, self.params.refine.reach_px)
+        return find_edge_points(borders, window, self.camera, pose, self.params.refine.reach_px)
 
 
 def most_residual_px(cell_px: float, params: RefineParams) -> float:

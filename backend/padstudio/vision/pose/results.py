@@ -8,7 +8,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer
 from padstudio.vision.cells.layer_read import LayerRead
-from padstudio.vision.pose.edge_points import Measured
+from padstudio.vision.pose.edge_points import EdgePoints
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
@@ -25,7 +25,7 @@ class RefinedPose:
         The finest layer whose borders were fitted.
     borders : Borders
         Its borders in view.
-    measured : Measured or None
+    edge_points : EdgePoints or None
         Those that were found; None where the pattern was matched as a whole.
     camera : Camera
         At the frame's size.
@@ -38,7 +38,7 @@ class RefinedPose:
     fit: Fit
     layer: Layer
     borders: Borders
-    measured: Measured | None
+    edge_points: EdgePoints | None
     camera: Camera
     cell_px: float
     read: LayerRead

@@ -130,7 +130,7 @@ class RefineParams(_Group):
     reach_px: float = parameter(
         6.0, 2.0, 50.0, "px",
         "Half length of the profiles across borders, at the scale where cells are about 9 px "
-        "wide; longer forgive a worse start, and are slower.",
+        "wide; longer forgive a worse start, shorter ones are less exact.",
     )  # fmt: skip
     most_residual_cells: float = parameter(
         0.12, 0.02, 1.0, "cells",
