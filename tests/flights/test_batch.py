@@ -6,6 +6,7 @@ from places import ROOT
 
 from padstudio.flights import batch
 from padstudio.flights.tasks.detectors import Recipe
+from padstudio.workers import pool
 
 SAMPLES = ROOT / "samples"
 FOOTAGE = ROOT / "tests" / "footage"
@@ -49,12 +50,12 @@ def test_a_worker_that_dies_costs_one_record(monkeypatch):
     real = batch._run_alone
     calls = iter([real, die, real])
 
-    class Pool(batch.WorkerPool):
+    class Pool(pool.WorkerPool):
         def submit(self, function, *arguments, timeout_s):
             assert function is real
             return super().submit(next(calls), *arguments, timeout_s=timeout_s)
 
-    monkeypatch.setattr(batch, "WorkerPool", Pool)
+    monkeypatch.setattr(pool, "WorkerPool", Pool)
     records = detect(["height_150mm.jpg"] * 3, jobs=2)
     assert [record["status"] for record in records] == ["ok", "failed", "ok"]
     assert (records[1]["stage"], records[1]["reason"]) == ("read", "worker_crashed")
@@ -103,11 +104,11 @@ def test_a_video_that_is_none_costs_one_record(tmp_path):
 
 
 def test_a_worker_that_dies_costs_the_frames_of_its_piece(monkeypatch):
-    class Pool(batch.WorkerPool):
+    class Pool(pool.WorkerPool):
         def submit(self, function, *arguments, timeout_s):
             return super().submit(die, *arguments, timeout_s=timeout_s)
 
-    monkeypatch.setattr(batch, "WorkerPool", Pool)
+    monkeypatch.setattr(pool, "WorkerPool", Pool)
     records = list(batch.detect(batch.plan([LANDING], LANDED, stride=20), jobs=2))
     assert [record["frame"] for record in records] == [0, 20, 40]
     assert {record["reason"] for record in records} == {"worker_crashed"}
