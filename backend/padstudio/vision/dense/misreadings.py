@@ -1,0 +1,76 @@
+"""What a frame shows that is not the pad as it should be: channels exchanged, mirrored, inverted.
+
+Cells of such a picture agree with no place of the pad, and with one at once when they are read the
+other way. It is looked for only where a frame gave no pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from padstudio.pad.spec import Channel
+from padstudio.vision.cells.sampling import CellGrid
+from padstudio.vision.dense.scales import swapped
+from padstudio.vision.search.search import Search, read_lattice
+from padstudio.vision.stage.trace import Reason, StageFailure
+
+# The lattices with the most of their edges on lines are read again; others are seldom the pad's.
+_MOST_LATTICES = 3
+
+
+def find_misreading(search: Search) -> StageFailure | None:
+    """The way in which the frame shows the pad wrongly, where one explains its cells.
+
+    Parameters
+    ----------
+    search : Search
+        Of a frame without a pose, with the lattices that were tried.
+    """
+    best = sorted(search.lattices, key=lambda lattice: -lattice.inlier_share)[:_MOST_LATTICES]
+    for lattice in best:
+        for channel in search.indices:
+            cells = read_lattice(search, lattice, channel)
+            failure = cells and _misread(search, channel, cells)
+            if failure is not None:
+                return failure
+    return None
+
+
+def _misread(search: Search, channel: Channel, cells: CellGrid) -> StageFailure | None:
+    others = [other for other in search.indices if other != channel]
+    if any(_agree(search, other, cells) for other in others):
+        return swapped()
+    if _agree(search, channel, _mirrored(cells)):
+        return StageFailure(
+            "decode",
+            Reason.MIRRORED,
+            f"the {channel} cells are those of the pad's mirror image",
+            "flip the picture back, or print the pad again without mirroring",
+        )
+    if _agree(search, channel, replace(cells, relative=-cells.relative)):
+        return StageFailure(
+            "decode",
+            Reason.INVERTED,
+            f"the {channel} cells are dark where the pad is full and full where it is dark",
+            "print the pad again without inverting it, or undo the picture's inversion",
+        )
+    return None
+
+
+def _agree(search: Search, channel: Channel, cells: CellGrid) -> bool:
+    """True where cells are those of a layer's, however many lattices and ways were tried."""
+    ways = 3 * len(search.lattices) * len(search.indices)
+    placement = search.indices[channel].locate(cells, ways)
+    bound = search.params.log10_false_alarm
+    return placement is not None and placement.evidence.suffices(bound)
+
+
+def _mirrored(cells: CellGrid) -> CellGrid:
+    """The cells from the last column to the first."""
+    return replace(
+        cells,
+        values=cells.values[:, ::-1],
+        seen=cells.seen[:, ::-1],
+        relative=cells.relative[:, ::-1],
+        xy=cells.xy[:, ::-1],
+    )
