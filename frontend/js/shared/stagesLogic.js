@@ -49,6 +49,9 @@ const REASONS = {
   no_outline: "no outline",
   pose_rejected: "pose rejected",
   no_layer: "no layer",
+  channels_swapped: "red and blue exchanged",
+  mirrored: "mirrored",
+  inverted: "inverted",
 };
 
 /** @param {string} name @returns {string} */

@@ -25,9 +25,10 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Channel, Layer, Pad
 from padstudio.vision.cells import cells_kernel
-from padstudio.vision.cells.visible import to_pad, visible_range
+from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Pyramid
 
 # So many points tell a mixture to a hundredth; below the least the pad is hardly in view.
@@ -218,7 +219,7 @@ def _points_in_view(camera: Camera, pad: Pad, pose: MovingPose) -> _Points | Non
     if size.min() <= 0:
         return None
     places = first + _spread() * size
-    xy = pose.project(camera, to_pad(pad, finest, places))
+    xy = pose.project(camera, lattice_mm(pad, finest, places))
     inside = ((xy >= 0) & (xy <= (camera.width - 1, camera.height - 1))).all(axis=1)
     px_per_mm = _px_per_mm(camera, pose)
     levels, telling = [], set()

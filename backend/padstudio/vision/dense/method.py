@@ -30,6 +30,8 @@ from padstudio.vision.cells.evidence import Evidence
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.dense.answer import choose, of_refined, of_whole_sign, unfit
 from padstudio.vision.dense.explain import explain
+from padstudio.vision.dense.misreadings import find_misreading
+from padstudio.vision.dense.scales import borne_out
 from padstudio.vision.dense.starts import first_poses, refine_best
 from padstudio.vision.dense.tracker import Expectation
 from padstudio.vision.dense.whole_pad import (
@@ -84,14 +86,15 @@ class Dense:
         if found is not None:
             return found
         found, last = self._by_lattice(search, frame.regions)
-        if found.failure is None:
+        if found.failure is None or found.failure.reason is Reason.CHANNELS_SWAPPED:
             return found
         far = self._from_afar(search, small)
         if far is not None:
             return far
         level = last.level if isinstance(last, Miss) else None
         explain(search, last.region, [], level)
-        return Detection(None, diagnose(frame, found.failure))
+        misread = recorder.run("decode", None, find_misreading, search)
+        return Detection(None, misread or diagnose(frame, found.failure))
 
     def follow(
         self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder
@@ -146,6 +149,8 @@ class Dense:
                 explain(search, found.region, reads)
                 return detection, found
             failure = detection.failure
+            if failure is not None and failure.reason is Reason.CHANNELS_SWAPPED:
+                return detection, found
         raise AssertionError("a search ends with a miss")
 
     def _from_afar(self, search: Search, small: list[Region]) -> Detection | None:
@@ -194,6 +199,12 @@ class Dense:
         )
         if isinstance(choice, StageFailure):
             return Detection(None, choice), reads
+        if refiner.attempts:
+            settled = recorder.run("choose", None, borne_out, refiner, refined)
+            if isinstance(settled, StageFailure):
+                return Detection(None, settled), reads
+            if settled is not refined:
+                return self._judge(refiner, settled, recorder)
         return of_refined(refined, choice), reads
 
     def _is_sure(self, refiner: Refiner, evidence: Evidence) -> bool:

@@ -30,7 +30,7 @@ def find_misreading(search: Search) -> StageFailure | None:
     for lattice in best:
         for channel in search.indices:
             cells = read_lattice(search, lattice, channel)
-            failure = cells and _misread(search, channel, cells)
+            failure = None if cells is None else _misread(search, channel, cells)
             if failure is not None:
                 return failure
     return None

@@ -219,7 +219,7 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
     frame.lattices.append(lattice)
     attempts = len(frame.lattices) * len(frame.indices)
     for channel, index in frame.indices.items():
-        cells = frame.recorder.run("decode", channel, _read, frame, lattice, channel)
+        cells = frame.recorder.run("decode", channel, read_lattice, frame, lattice, channel)
         if cells is None:
             continue
         placement = frame.recorder.run("decode", channel, index.locate, cells, attempts)
@@ -243,7 +243,9 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
     return Miss(failure, region, level, evidence.read, -evidence.log10_false_alarm)
 
 
-def _read(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
+def read_lattice(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
+    """The cells of a lattice as one channel shows them, those at its rim too."""
+
     def to_pixels(coordinates: Array) -> Array:
         return frame.camera.denormalize(lattice.to_rays(coordinates))
 

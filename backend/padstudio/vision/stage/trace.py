@@ -54,6 +54,9 @@ class Reason(StrEnum):
     NO_OUTLINE = "no_outline"
     POSE_REJECTED = "pose_rejected"
     NO_LAYER = "no_layer"
+    CHANNELS_SWAPPED = "channels_swapped"
+    MIRRORED = "mirrored"
+    INVERTED = "inverted"
 
 
 @dataclass(frozen=True)
