@@ -32,7 +32,7 @@ from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Pyramid
 
 # So many points tell a mixture to a hundredth; below the least the pad is hardly in view.
-_POINTS, _LEAST_POINTS = 1200, 100
+_POINTS, _LEAST_POINTS = 500, 100
 # Within this of a cell's side, pixels, a point sees both cells; in small cells, within this share.
 _RIM_PX, _RIM_SHARE = 1.5, 0.3
 # Smaller cells are blurred so much that nothing within them is left out.
