@@ -31,7 +31,7 @@ from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.dense.answer import choose, of_refined, of_whole_sign, unfit
 from padstudio.vision.dense.explain import explain
 from padstudio.vision.dense.misreadings import find_misreading
-from padstudio.vision.dense.scales import borne_out
+from padstudio.vision.dense.scales import borne_out, contradiction
 from padstudio.vision.dense.starts import first_poses, refine_best
 from padstudio.vision.dense.tracker import Expectation
 from padstudio.vision.dense.whole_pad import (
@@ -158,9 +158,14 @@ class Dense:
         refiner = self._refiner(search, 1)
         for region in small:
             found = search.recorder.run("outline", None, find_whole_sign, refiner, region)
-            if isinstance(found, WholeSign):
+            if not isinstance(found, WholeSign):
+                continue
+            fault = search.recorder.run("choose", None, contradiction, refiner, found.fit.pose)
+            if fault is None:
                 explain(search, region, [found.read])
                 return of_whole_sign(found, search.camera.focal_px)
+            if fault.reason is Reason.CHANNELS_SWAPPED:
+                return Detection(None, fault)
         return None
 
     def _pose(self, search: Search, found: Sighting) -> tuple[Detection, list[LayerRead]]:

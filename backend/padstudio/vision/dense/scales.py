@@ -15,7 +15,7 @@ import numpy as np
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.cells.mixture import Mixture, find_mixture
+from padstudio.vision.cells.mixture import find_mixture
 from padstudio.vision.dense.starts import refine_best
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
@@ -38,25 +38,37 @@ def borne_out(refiner: Refiner, refined: RefinedPose) -> RefinedPose | StageFail
     RefinedPose or StageFailure
         The pose itself where too little of the pad is in view to tell.
     """
-    mixture = _mixture(refiner, refined.fit.pose)
-    ratios = shared_scales(refiner.pad)
-    if mixture is None or not (mixture.exchanged or _fault(mixture, ratios)):
-        return refined
+    fault = contradiction(refiner, refined.fit.pose)
+    if fault is None or fault.reason is Reason.CHANNELS_SWAPPED:
+        return fault or refined
+    for ratio in shared_scales(refiner.pad):
+        start = rescaled(refiner.pad, refined.fit.pose, ratio)
+        other = contradiction(refiner, start)
+        if other is not None and other.reason is Reason.CHANNELS_SWAPPED:
+            return other
+        again = refine_best(refiner, [start], np.inf) if other is None else None
+        if again is not None and contradiction(refiner, again.fit.pose) is None:
+            return again
+    return fault
+
+
+def contradiction(refiner: Refiner, pose: MovingPose) -> StageFailure | None:
+    """What the channels show against a pose; None where they bear it out, or too little is in view.
+
+    A layer whose ink does not show is no contradiction where no other scale could be meant.
+    """
+    mixture = find_mixture(refiner.pyramid, refiner.camera, refiner.pad, pose)
+    if mixture is None:
+        return None
     if mixture.exchanged:
         return swapped()
-    for ratio in ratios:
-        start = rescaled(refiner.pad, refined.fit.pose, ratio)
-        other = _mixture(refiner, start)
-        if other is None or other.unexplained is not None:
-            continue
-        if other.exchanged:
-            return swapped()
-        again = None if other.hidden else refine_best(refiner, [start], np.inf)
-        if again is not None:
-            settled = _mixture(refiner, again.fit.pose)
-            if settled is not None and not _fault(settled, ratios):
-                return again
-    return StageFailure("choose", Reason.POSE_REJECTED, _fault(mixture, ratios) or "")
+    if mixture.unexplained is not None:
+        detail = f"the {mixture.unexplained} channel shows what this pose does not explain"
+    elif mixture.hidden is not None and shared_scales(refiner.pad):
+        detail = f"the {mixture.hidden} cells should be seen with this pose, and are not"
+    else:
+        return None
+    return StageFailure("choose", Reason.POSE_REJECTED, detail)
 
 
 def swapped() -> StageFailure:
@@ -88,19 +100,3 @@ def shared_scales(pad: Pad) -> tuple[float, ...]:
 def _begin_alike(a: Layer, b: Layer) -> bool:
     rows, cols = min(a.rows, b.rows), min(a.cols, b.cols)
     return bool((a.field[:rows, :cols] == b.field[:rows, :cols]).all())
-
-
-def _mixture(refiner: Refiner, pose: MovingPose) -> Mixture | None:
-    return find_mixture(refiner.pyramid, refiner.camera, refiner.pad, pose)
-
-
-def _fault(mixture: Mixture, ratios: tuple[float, ...]) -> str | None:
-    """Why a pose is not borne out, a sentence; None where it is.
-
-    A layer whose ink does not show is no fault where no other scale could be meant.
-    """
-    if mixture.unexplained is not None:
-        return f"the {mixture.unexplained} channel shows structure that the pose does not explain"
-    if ratios and mixture.hidden is not None:
-        return f"the {mixture.hidden} layer's cells should be seen with this pose, and are not"
-    return None
