@@ -15,7 +15,7 @@ import numpy as np
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
-from padstudio.vision.cells.mixture import find_mixture
+from padstudio.vision.cells.mixture import Mixture, find_mixture
 from padstudio.vision.dense.starts import refine_best
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
@@ -38,37 +38,60 @@ def borne_out(refiner: Refiner, refined: RefinedPose) -> RefinedPose | StageFail
     RefinedPose or StageFailure
         The pose itself where too little of the pad is in view to tell.
     """
-    fault = contradiction(refiner, refined.fit.pose)
-    if fault is None or fault.reason is Reason.CHANNELS_SWAPPED:
-        return fault or refined
+    mixture = _mixture(refiner, refined.fit.pose)
+    fault = _fault(mixture, refiner.pad)
+    told = mixture is None or mixture.telling >= {layer.channel for layer in refiner.pad.layers}
+    if fault is None and told:
+        return refined
+    if fault is not None and fault.reason is Reason.CHANNELS_SWAPPED:
+        return fault
     for ratio in shared_scales(refiner.pad):
         start = rescaled(refiner.pad, refined.fit.pose, ratio)
-        other = contradiction(refiner, start)
-        if other is not None and other.reason is Reason.CHANNELS_SWAPPED:
-            return other
-        again = refine_best(refiner, [start], np.inf) if other is None else None
+        other = _mixture(refiner, start)
+        against = _fault(other, refiner.pad)
+        if fault and against and against.reason is Reason.CHANNELS_SWAPPED:
+            return against
+        if other is None or against is not None or not (fault or _tells_more(other, mixture)):
+            continue
+        again = refine_best(refiner, [start], np.inf)
         if again is not None and contradiction(refiner, again.fit.pose) is None:
             return again
-    return fault
+    return fault or refined
 
 
 def contradiction(refiner: Refiner, pose: MovingPose) -> StageFailure | None:
-    """What the channels show against a pose; None where they bear it out, or too little is in view.
+    """What the channels show against a pose; None where they bear it out, or show too little."""
+    return _fault(_mixture(refiner, pose), refiner.pad)
 
-    A layer whose ink does not show is no contradiction where no other scale could be meant.
+
+def _mixture(refiner: Refiner, pose: MovingPose) -> Mixture | None:
+    return find_mixture(refiner.pyramid, refiner.camera, refiner.pad, pose)
+
+
+def _fault(mixture: Mixture | None, pad: Pad) -> StageFailure | None:
+    """What a mixture says against its pose.
+
+    A layer whose ink does not show is no fault where no other scale could be meant.
     """
-    mixture = find_mixture(refiner.pyramid, refiner.camera, refiner.pad, pose)
     if mixture is None:
         return None
     if mixture.exchanged:
         return swapped()
     if mixture.unexplained is not None:
         detail = f"the {mixture.unexplained} channel shows what this pose does not explain"
-    elif mixture.hidden is not None and shared_scales(refiner.pad):
+    elif mixture.hidden is not None and shared_scales(pad):
         detail = f"the {mixture.hidden} cells should be seen with this pose, and are not"
     else:
         return None
     return StageFailure("choose", Reason.POSE_REJECTED, detail)
+
+
+def _tells_more(other: Mixture, than: Mixture | None) -> bool:
+    """True where another scale shows a layer more, and explains every channel as well."""
+    if than is None or not other.telling > than.telling:
+        return False
+    pairs = zip(other.channels, than.channels, strict=True)
+    return all(a.explained >= b.explained for a, b in pairs)
 
 
 def swapped() -> StageFailure:

@@ -1,0 +1,186 @@
+"""Poses that one channel bears out and another does not: scale, exchanged channels, grey pictures.
+
+In the sample pad, as in the source paper, the coarse layer is a copy of the fine one's corner.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import cv2
+import numpy as np
+import pytest
+from dense_frames import errors, frame_of, random_pad, sample_pad, small_camera
+
+from padstudio.arrays import Image
+from padstudio.geometry.pose import Pose, look_at_pad
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.mixture import find_mixture
+from padstudio.vision.dense.scales import rescaled, shared_scales
+from padstudio.vision.detector import Detector
+from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.stage.trace import Reason
+
+# Over the pad's top left corner, where the coarse layer's code is that of the fine one.
+CORNER_MM = (-480.0, 470.0)
+# Heights at which the fine layer, both, and the coarse one are read.
+VIEWS = [
+    look_at_pad(150.0, tilt_deg=5, heading_deg=20, tilt_towards_deg=80, target_mm=CORNER_MM),
+    look_at_pad(400.0, tilt_deg=15, heading_deg=200, tilt_towards_deg=10, target_mm=CORNER_MM),
+    look_at_pad(900.0, tilt_deg=10, heading_deg=110, tilt_towards_deg=60, target_mm=(-200, 200)),
+    look_at_pad(1800.0, tilt_deg=20, heading_deg=300, tilt_towards_deg=200),
+]
+
+
+@cache
+def frame(view: int) -> Image:
+    return frame_of(VIEWS[view], camera=small_camera())
+
+
+@cache
+def detector() -> Detector:
+    return Detector(sample_pad(), small_camera())
+
+
+def grey(bgr: Image, shares: tuple[float, float, float]) -> Image:
+    """All channels alike, of so much blue, green and red."""
+    mixed = np.clip(bgr.astype(float) @ shares, 0, 255).astype(np.uint8)
+    return np.repeat(mixed[:, :, None], 3, axis=2)
+
+
+def sodium(bgr: Image) -> Image:
+    """Yellow light: the blue channel shows little, and of both layers."""
+    blue, green, red = (bgr[:, :, k].astype(float) for k in range(3))
+    yellow = 0.8 * red + 0.2 * green
+    channels = [0.25 * yellow + 0.1 * blue, 0.6 * yellow, yellow]
+    return np.clip(np.stack(channels, axis=-1), 0, 255).astype(np.uint8)
+
+
+def exchanged(bgr: Image) -> Image:
+    return np.ascontiguousarray(bgr[:, :, ::-1])
+
+
+@pytest.mark.parametrize("view", range(len(VIEWS)))
+def test_exchanged_channels_give_no_pose_and_a_name(view: int) -> None:
+    found = detector().detect(exchanged(frame(view)))
+    assert found.failure is not None
+    assert found.failure.reason is Reason.CHANNELS_SWAPPED
+    assert "exchange red and blue" in found.failure.advice
+
+
+@pytest.mark.parametrize("view", range(len(VIEWS)))
+def test_the_same_frames_give_their_poses_as_they_are(view: int) -> None:
+    found = detector().detect(frame(view))
+    assert found.ok, found.failure
+    assert errors(found.pose, VIEWS[view])[0] < 0.3
+
+
+@pytest.mark.parametrize("view", range(len(VIEWS)))
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda bgr: grey(bgr, (0.114, 0.587, 0.299)),
+        lambda bgr: grey(bgr, (1 / 3, 1 / 3, 1 / 3)),
+        lambda bgr: grey(bgr, (0.15, 0.15, 0.7)),
+        sodium,
+    ],
+    ids=["luma", "monochrome", "near infrared", "sodium"],
+)
+def test_grey_pictures_give_the_right_pose_or_none(change, view: int) -> None:
+    found = detector().detect(change(frame(view)))
+    assert found.pose is None or errors(found.pose, VIEWS[view])[0] < 1.0
+
+
+def test_most_grey_pictures_over_the_corner_are_read() -> None:
+    found = [
+        detector().detect(change(frame(view)))
+        for view in (0, 1, 2)
+        for change in (lambda bgr: grey(bgr, (1 / 3, 1 / 3, 1 / 3)), sodium)
+    ]
+    assert sum(item.ok for item in found) >= 5
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda bgr: np.ascontiguousarray(bgr[:, ::-1]), Reason.MIRRORED),
+        (lambda bgr: np.ascontiguousarray(bgr[::-1]), Reason.MIRRORED),
+        (lambda bgr: 255 - bgr, Reason.INVERTED),
+        (exchanged, Reason.CHANNELS_SWAPPED),
+    ],
+    ids=["left for right", "upside down", "inverted", "exchanged"],
+)
+@pytest.mark.parametrize("pad", [sample_pad(), random_pad(5)], ids=["copied layer", "own codes"])
+def test_pads_that_are_shown_wrongly_have_a_name(change, reason: Reason, pad: Pad) -> None:
+    pose = look_at_pad(700.0, tilt_deg=12, heading_deg=40, tilt_towards_deg=30)
+    shown = change(frame_of(pose, pad=pad, camera=small_camera()))
+    found = Detector(pad, small_camera()).detect(shown)
+    assert found.failure is not None
+    assert found.failure.reason is reason
+
+
+def test_a_frame_of_something_else_has_none_of_these_names() -> None:
+    rng = np.random.default_rng(3)
+    noise = rng.integers(0, 2, (48, 64, 3)).astype(np.uint8) * 200
+    picture = cv2.resize(noise, (640, 480), interpolation=cv2.INTER_NEAREST)
+    found = detector().detect(np.asarray(picture, np.uint8))
+    assert found.failure is not None
+    named = {Reason.MIRRORED, Reason.INVERTED, Reason.CHANNELS_SWAPPED}
+    assert found.failure.reason not in named
+
+
+def test_an_ink_that_does_not_show_is_no_fault_where_no_other_scale_could_be_meant() -> None:
+    """A blue ink that the camera does not see, as in near infrared."""
+    pad = random_pad(7)
+    pose = look_at_pad(500.0, tilt_deg=10, heading_deg=10, tilt_towards_deg=120)
+    unseen = Pad((pad.layers[0], Layer("blue", 50.0, np.ones((25, 25)))), levels=2)
+    found = Detector(pad, small_camera()).detect(frame_of(pose, pad=unseen, camera=small_camera()))
+    assert found.ok, found.failure
+    assert errors(found.pose, pose)[0] < 0.3
+
+
+def test_scales_are_shared_where_layers_begin_alike() -> None:
+    assert sorted(shared_scales(sample_pad())) == pytest.approx([0.2, 5.0])
+    assert shared_scales(random_pad(1)) == ()
+
+
+def test_a_rescaled_pose_sees_the_same_cells_of_the_other_layer() -> None:
+    pad, camera = sample_pad(), small_camera()
+    pose = MovingPose(VIEWS[1], np.array([3.0, -2.0, 1.0]), np.array([0.01, 0.0, -0.02]))
+    other = rescaled(pad, pose, 5.0)
+    width, height = pad.size_mm
+    cells = np.random.default_rng(0).uniform(0, 20, (50, 2))
+
+    def corner_of(cell_mm: float) -> np.ndarray:
+        x, y = -width / 2 + cells[:, 0] * cell_mm, height / 2 - cells[:, 1] * cell_mm
+        return np.column_stack([x, y, np.zeros(len(cells))])
+
+    assert np.allclose(
+        pose.project(camera, corner_of(10.0)), other.project(camera, corner_of(50.0)), atol=1e-6
+    )
+
+
+@pytest.mark.parametrize("view", range(len(VIEWS)))
+def test_a_mixture_tells_each_layer_in_its_own_channel(view: int) -> None:
+    pose = MovingPose(VIEWS[view])
+    mixture = find_mixture(Pyramid(frame(view)), small_camera(), sample_pad(), pose)
+    assert mixture is not None
+    assert (mixture.unexplained, mixture.hidden, mixture.exchanged) == (None, None, False)
+    for channel in mixture.channels:
+        if channel.channel in mixture.telling:
+            assert channel.shows[channel.channel] > 0.5
+
+
+@pytest.mark.parametrize("ratio", [0.2, 5.0])
+@pytest.mark.parametrize("view", [1, 2, 3])
+def test_a_pose_of_another_scale_is_contradicted(view: int, ratio: float) -> None:
+    pose = rescaled(sample_pad(), MovingPose(VIEWS[view]), ratio)
+    mixture = find_mixture(Pyramid(frame(view)), small_camera(), sample_pad(), pose)
+    assert mixture is None or mixture.unexplained or mixture.hidden
+
+
+def test_too_little_of_the_pad_in_view_tells_nothing() -> None:
+    aside = Pose(np.array([5000.0, 0.0, 500.0]), VIEWS[0].rotation)
+    pose = MovingPose(aside)
+    assert find_mixture(Pyramid(frame(0)), small_camera(), sample_pad(), pose) is None
