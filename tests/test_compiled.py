@@ -69,6 +69,15 @@ def test_a_changed_callee_in_another_file_changes_the_result(tmp_path: Path) -> 
     assert len(folders(tmp_path)) == 2
 
 
+def test_a_changed_constant_of_a_module_without_loops_changes_the_result(tmp_path: Path) -> None:
+    home = package(tmp_path, 2) / "padstudio"
+    taken = "from padstudio.plain import FACTOR"
+    (home / "callee.py").write_text(CALLEE.format(factor=2).replace("FACTOR = 2", taken))
+    for factor, result in ((2, "11"), (3, "16")):
+        (home / "plain.py").write_text(f"FACTOR = {factor}\n")
+        assert run(CALL, tmp_path) == result
+
+
 def test_machine_code_is_kept_between_processes(tmp_path: Path) -> None:
     hits = f"{CALL}; print(sum(grown_and_one.dispatcher.stats.cache_hits.values()))"
     assert run(hits, package(tmp_path, 2)).split() == ["11", "0"]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import gc
 import hashlib
 import os
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -25,6 +26,7 @@ _PACKAGE = Path(__file__).parent
 # Sums may be taken in any order and products fused; NaN and infinity keep their meaning.
 _FREE_ORDER = {"contract", "arcp", "reassoc", "nsz"}
 _FOLDER = "compiled-"
+_IMPORTED = re.compile(rb"^from padstudio\.([\w.]+) import", re.MULTILINE)
 
 
 class Compiled(Generic[P, T]):
@@ -113,12 +115,15 @@ def forget_older() -> None:
 
 @cache
 def sources_hash() -> str:
-    """Of every module with compiled loops."""
+    """Of every module with compiled loops, and of those whose records and constants they take."""
+    sources = {path: path.read_bytes() for path in sorted(_PACKAGE.rglob("*.py"))}
+    with_loops = [source for source in sources.values() if b"padstudio.compiled import" in source]
+    taken = {name.decode() for source in with_loops for name in _IMPORTED.findall(source)}
     found = hashlib.blake2b(digest_size=8)
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        source = path.read_bytes()
-        if b"padstudio.compiled import" in source:
-            found.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0" + source)
+    for path, source in sources.items():
+        place = path.relative_to(_PACKAGE).with_suffix("").as_posix()
+        if source in with_loops or place.replace("/", ".") in taken:
+            found.update(place.encode() + b"\0" + source)
     return found.hexdigest()
 
 

@@ -160,7 +160,7 @@ class Dense:
             found = search.recorder.run("outline", None, find_whole_sign, refiner, region)
             if not isinstance(found, WholeSign):
                 continue
-            fault = search.recorder.run("choose", None, contradiction, refiner, found.fit.pose)
+            fault = search.recorder.run("pose", None, contradiction, refiner, found.fit.pose)
             if fault is None:
                 explain(search, region, [found.read])
                 return of_whole_sign(found, search.camera.focal_px)
@@ -205,7 +205,7 @@ class Dense:
         if isinstance(choice, StageFailure):
             return Detection(None, choice), reads
         if refiner.attempts:
-            settled = recorder.run("choose", None, borne_out, refiner, refined)
+            settled = recorder.run("pose", None, borne_out, refiner, refined)
             if isinstance(settled, StageFailure):
                 return Detection(None, settled), reads
             if settled is not refined:

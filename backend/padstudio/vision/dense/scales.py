@@ -83,7 +83,7 @@ def _fault(mixture: Mixture | None, pad: Pad) -> StageFailure | None:
         detail = f"the {mixture.hidden} cells should be seen with this pose, and are not"
     else:
         return None
-    return StageFailure("choose", Reason.POSE_REJECTED, detail)
+    return StageFailure("pose", Reason.POSE_REJECTED, detail)
 
 
 def _tells_more(other: Mixture, than: Mixture | None) -> bool:
@@ -97,7 +97,7 @@ def _tells_more(other: Mixture, than: Mixture | None) -> bool:
 def swapped() -> StageFailure:
     """Red and blue are exchanged."""
     detail = "each layer is seen in the other one's channel: red and blue are exchanged"
-    return StageFailure("choose", Reason.CHANNELS_SWAPPED, detail, SWAPPED_ADVICE)
+    return StageFailure("decode", Reason.CHANNELS_SWAPPED, detail, SWAPPED_ADVICE)
 
 
 def rescaled(pad: Pad, pose: MovingPose, ratio: float) -> MovingPose:
