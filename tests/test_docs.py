@@ -86,6 +86,20 @@ def test_the_pad_in_the_conventions_is_one():
     assert len(windows) == 6
 
 
+def test_modules_that_the_architecture_names_are_there():
+    named = set(re.findall(r"`((?:[a-z_]+/)+[a-z_]+\.py)`", ARCHITECTURE))
+    assert len(named) > 30
+    places = (ROOT / "backend" / "padstudio", ROOT)
+    assert [name for name in sorted(named) if not any((p / name).is_file() for p in places)] == []
+
+
+def test_folders_that_the_architecture_names_are_there():
+    table = section(ARCHITECTURE, "## The tree")
+    named = set(re.findall(r"`((?:[a-z_]+/)+)`", table))
+    places = (ROOT / "backend" / "padstudio", ROOT / "frontend" / "js", ROOT)
+    assert [name for name in sorted(named) if not any((p / name).is_dir() for p in places)] == []
+
+
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
 def test_links_between_documents_lead_somewhere(path):
     for target in re.findall(r"\]\(([^)]+)\)", path.read_text(encoding="utf-8")):

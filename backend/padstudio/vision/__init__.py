@@ -1,4 +1,4 @@
-"""The detector: one file a stage, `pipeline` alone knows their order.
+"""The detector: `detector` is the one object that callers use, `dense.method` its recipe.
 
-May import `padstudio.pad`, `padstudio.geometry` and `padstudio.errors`.
+A folder is one question of that recipe; they import each other in the order of their work.
 """
