@@ -84,7 +84,9 @@ def test_an_upload_can_be_given_up(
 ) -> None:
     page = open_page("/flights")
     page.route(UPLOAD, lambda route: None if route.request.method == "PATCH" else route.continue_())
-    page.get_by_label("Choose files").set_input_files(_large(tmp_path, footage[0]))
+    # The list names an upload before the server has heard of it.
+    with page.expect_response(lambda response: response.request.method == "POST"):
+        page.get_by_label("Choose files").set_input_files(_large(tmp_path, footage[0]))
     expect(page.locator("#uploads")).to_contain_text("0 B of")
     begun = [upload["id"] for upload in _uploads(studio_url) if not upload["complete"]]
     assert len(begun) == 1
