@@ -16,8 +16,9 @@ from padstudio.arrays import Image
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.cells.mixture import find_mixture
-from padstudio.vision.dense.scales import rescaled, shared_scales
+from padstudio.vision.dense.scales import other_scales, rescaled
 from padstudio.vision.detector import Detector
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.stage.trace import Reason
@@ -140,9 +141,28 @@ def test_an_ink_that_does_not_show_is_no_fault_where_no_other_scale_could_be_mea
     assert errors(found.pose, pose)[0] < 0.3
 
 
-def test_scales_are_shared_where_layers_begin_alike() -> None:
-    assert sorted(shared_scales(sample_pad())) == pytest.approx([0.2, 5.0])
-    assert shared_scales(random_pad(1)) == ()
+def read_at(pad: Pad, pose: Pose, channel: str) -> LayerRead:
+    layer = pad.layer(channel)
+    pyramid = Pyramid(frame_of(pose, pad=pad, camera=small_camera()))
+    found = read_layer(pyramid, small_camera(), pad, layer, MovingPose(pose), 1)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(("channel", "ratio"), [("red", 5.0), ("blue", 0.2)])
+def test_cells_over_the_shared_corner_could_be_read_at_another_scale(channel, ratio) -> None:
+    pad = sample_pad()
+    assert other_scales(pad, read_at(pad, VIEWS[0], channel)) == pytest.approx((ratio,))
+
+
+def test_cells_beyond_the_shared_corner_could_not() -> None:
+    pad, far = sample_pad(), look_at_pad(150.0, target_mm=(400.0, -400.0))
+    assert other_scales(pad, read_at(pad, far, "red")) == ()
+
+
+def test_layers_with_codes_of_their_own_share_no_scale() -> None:
+    pad = random_pad(1)
+    assert other_scales(pad, read_at(pad, VIEWS[0], "red")) == ()
 
 
 def test_a_rescaled_pose_sees_the_same_cells_of_the_other_layer() -> None:

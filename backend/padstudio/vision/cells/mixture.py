@@ -27,7 +27,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Channel, Layer, Pad
-from padstudio.vision.cells import cells_kernel
+from padstudio.vision.cells import cells_kernel, mixture_kernel
 from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Pyramid
 
@@ -49,9 +49,6 @@ _SHOWS = 0.1
 _STRUCTURE = 0.15
 # A layer whose gain elsewhere is this many times that in its own channel is at home there.
 _AT_HOME = 2.0
-_ROUNDS, _CUT_OFF, _LEAST_SIGMA = 4, 3.0, 1.0
-# Terms of the light, and those of them by which a layer's gain may change over the frame.
-_LIGHT, _GAIN = 6, 3
 
 
 @dataclass(frozen=True)
@@ -162,54 +159,20 @@ def find_mixture(pyramid: Pyramid, camera: Camera, pad: Pad, pose: MovingPose) -
     if points is None:
         return None
     light = _light(points.xy, camera)
-    gains = [level[:, None] * light[:, :_GAIN] for level in points.levels]
+    gains = [level[:, None] * light[:, : mixture_kernel.GAIN] for level in points.levels]
     terms = np.concatenate([light, *gains], axis=1)
     finest_px = min(layer.cell_mm for layer in pad.layers) * _px_per_mm(camera, pose)
     level = int(np.clip(np.log2(max(finest_px / _LOOK_PX, 1.0)), 0, _COARSEST_LEVEL))
     seen = np.ones((1, len(points.xy)), bool)
+    names = [layer.channel for layer in pad.layers]
     channels = []
     for layer in pad.layers:
         values = cells_kernel.sample(pyramid.window(layer.channel, level), points.xy[None], seen)
-        channels.append(_unmixed(layer.channel, values[0].astype(float), terms, pad))
+        found = mixture_kernel.fit_channel(values[0].astype(float), terms)
+        explained, residual, shows, gain = found
+        named = [dict(zip(names, figures.tolist(), strict=True)) for figures in (shows, gain)]
+        channels.append(ChannelMixture(layer.channel, explained, residual, *named))
     return Mixture(tuple(channels), points.telling)
-
-
-def _unmixed(channel: Channel, values: Array, terms: Array, pad: Pad) -> ChannelMixture:
-    """One channel's mixture from its values (N,) and the model's terms (N, 6 + 3 L)."""
-    weight = np.ones(len(values))
-    for _ in range(_ROUNDS):
-        normal, right = (terms.T * weight) @ terms, (terms.T * weight) @ values
-        solution = _solve(normal, right)
-        left = values - terms @ solution
-        sigma = max(1.4826 * float(np.median(np.abs(left))), _LEAST_SIGMA)
-        weight = 1 / (1 + (left / (_CUT_OFF * sigma)) ** 2) ** 2
-    normal, right = (terms.T * weight) @ terms, (terms.T * weight) @ values
-    total = float(weight @ values**2)
-    every = np.arange(terms.shape[1])
-
-    def left_over(kept: NDArray[np.intp]) -> float:
-        """Weighted squares that some of the terms leave over."""
-        part = _solve(normal[np.ix_(kept, kept)], right[kept])
-        return max(total - float(part @ right[kept]), 1e-9)
-
-    full = left_over(every)
-    own = {layer.channel: _LIGHT + _GAIN * k for k, layer in enumerate(pad.layers)}
-    return ChannelMixture(
-        channel=channel,
-        explained=1 - full / left_over(every[:_LIGHT]),
-        residual=float(np.sqrt(full / weight.sum())),
-        shows={
-            name: 1 - full / left_over(np.delete(every, slice(k, k + _GAIN)))
-            for name, k in own.items()
-        },
-        gain={name: float(solution[k]) for name, k in own.items()},
-    )
-
-
-def _solve(normal: Array, right: Array) -> Array:
-    # Levels of a layer of which one cell is in view are a part of the light.
-    held = normal + np.diag(1e-6 * np.diag(normal) + 1e-9)
-    return np.asarray(np.linalg.solve(held, right))
 
 
 def _points_in_view(camera: Camera, pad: Pad, pose: MovingPose) -> _Points | None:
@@ -261,7 +224,7 @@ def _spread() -> Array:
 
 
 def _radical_inverse(base: int) -> Array:
-    number, out, share = np.arange(1, 4 * _POINTS + 1), np.zeros(4 * _POINTS), 1.0
+    number, out, share = np.arange(1, 3 * _POINTS + 1), np.zeros(3 * _POINTS), 1.0
     while number.any():
         share /= base
         out += share * (number % base)

@@ -160,7 +160,8 @@ class Dense:
             found = search.recorder.run("outline", None, find_whole_sign, refiner, region)
             if not isinstance(found, WholeSign):
                 continue
-            fault = search.recorder.run("pose", None, contradiction, refiner, found.fit.pose)
+            pose = found.fit.pose
+            fault = search.recorder.run("pose", None, contradiction, refiner, pose, found.read)
             if fault is None:
                 explain(search, region, [found.read])
                 return of_whole_sign(found, search.camera.focal_px)

@@ -15,12 +15,15 @@ import numpy as np
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.mixture import Mixture, find_mixture
 from padstudio.vision.dense.starts import refine_best
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.stage.trace import Reason, StageFailure
 
+# Cells of which more than this share lie in the part that layers share may be either layer's.
+_SHARED = 0.5
 SWAPPED_ADVICE = "exchange red and blue where the picture is read (RGB taken for BGR?)"
 
 
@@ -38,37 +41,60 @@ def borne_out(refiner: Refiner, refined: RefinedPose) -> RefinedPose | StageFail
     RefinedPose or StageFailure
         The pose itself where too little of the pad is in view to tell.
     """
-    mixture = _mixture(refiner, refined.fit.pose)
-    fault = _fault(mixture, refiner.pad)
-    told = mixture is None or mixture.telling >= {layer.channel for layer in refiner.pad.layers}
-    if fault is None and told:
-        return refined
+    pose, scales = refined.fit.pose, other_scales(refiner.pad, refined.read)
+    mixture = _mixture(refiner, pose)
+    fault = _fault(mixture, scales)
     if fault is not None and fault.reason is Reason.CHANNELS_SWAPPED:
         return fault
-    for ratio in shared_scales(refiner.pad):
-        start = rescaled(refiner.pad, refined.fit.pose, ratio)
+    for scale in scales if fault or not _tells_all(mixture, refiner.pad) else ():
+        start = rescaled(refiner.pad, pose, scale)
         other = _mixture(refiner, start)
-        against = _fault(other, refiner.pad)
+        against = _fault(other, scales)
         if fault and against and against.reason is Reason.CHANNELS_SWAPPED:
             return against
         if other is None or against is not None or not (fault or _tells_more(other, mixture)):
             continue
         again = refine_best(refiner, [start], np.inf)
-        if again is not None and contradiction(refiner, again.fit.pose) is None:
+        if again is not None and contradiction(refiner, again.fit.pose, again.read) is None:
             return again
     return fault or refined
 
 
-def contradiction(refiner: Refiner, pose: MovingPose) -> StageFailure | None:
-    """What the channels show against a pose; None where they bear it out, or show too little."""
-    return _fault(_mixture(refiner, pose), refiner.pad)
+def contradiction(refiner: Refiner, pose: MovingPose, read: LayerRead) -> StageFailure | None:
+    """What the channels show against a pose; None where they bear it out, or show too little.
+
+    Parameters
+    ----------
+    refiner : Refiner
+    pose : MovingPose
+    read : LayerRead
+        The cells that the pose rests on.
+    """
+    return _fault(_mixture(refiner, pose), other_scales(refiner.pad, read))
+
+
+def other_scales(pad: Pad, read: LayerRead) -> tuple[float, ...]:
+    """At which other scales the same cells could be read: in layers that begin with their code.
+
+    Only cells that lie in the part that the layers share could be the other one's.
+    """
+    cells, layer = read.cells, read.layer
+    found = []
+    for other in pad.layers:
+        if other is layer or not _begin_alike(layer, other):
+            continue
+        rows = max(0, min(other.rows, layer.rows) - cells.row0)
+        cols = max(0, min(other.cols, layer.cols) - cells.column0)
+        if cells.seen[:rows, :cols].sum() > _SHARED * cells.seen.sum():
+            found.append(other.cell_mm / layer.cell_mm)
+    return tuple(found)
 
 
 def _mixture(refiner: Refiner, pose: MovingPose) -> Mixture | None:
     return find_mixture(refiner.pyramid, refiner.camera, refiner.pad, pose)
 
 
-def _fault(mixture: Mixture | None, pad: Pad) -> StageFailure | None:
+def _fault(mixture: Mixture | None, scales: tuple[float, ...]) -> StageFailure | None:
     """What a mixture says against its pose.
 
     A layer whose ink does not show is no fault where no other scale could be meant.
@@ -79,11 +105,15 @@ def _fault(mixture: Mixture | None, pad: Pad) -> StageFailure | None:
         return swapped()
     if mixture.unexplained is not None:
         detail = f"the {mixture.unexplained} channel shows what this pose does not explain"
-    elif mixture.hidden is not None and shared_scales(pad):
+    elif mixture.hidden is not None and scales:
         detail = f"the {mixture.hidden} cells should be seen with this pose, and are not"
     else:
         return None
     return StageFailure("pose", Reason.POSE_REJECTED, detail)
+
+
+def _tells_all(mixture: Mixture | None, pad: Pad) -> bool:
+    return mixture is None or mixture.telling >= {layer.channel for layer in pad.layers}
 
 
 def _tells_more(other: Mixture, than: Mixture | None) -> bool:
@@ -109,17 +139,7 @@ def rescaled(pad: Pad, pose: MovingPose, ratio: float) -> MovingPose:
     return MovingPose(Pose(position, pose.pose.rotation), ratio * pose.shift_mm, pose.rotvec)
 
 
-@lru_cache(maxsize=8)
-def shared_scales(pad: Pad) -> tuple[float, ...]:
-    """Ratios of the cells of layers that begin with the same code, in either direction."""
-    return tuple(
-        other.cell_mm / layer.cell_mm
-        for layer in pad.layers
-        for other in pad.layers
-        if other is not layer and _begin_alike(layer, other)
-    )
-
-
+@lru_cache(maxsize=16)
 def _begin_alike(a: Layer, b: Layer) -> bool:
     rows, cols = min(a.rows, b.rows), min(a.cols, b.cols)
     return bool((a.field[:rows, :cols] == b.field[:rows, :cols]).all())
