@@ -9,7 +9,6 @@ calling old code of a loop in another file.
 from __future__ import annotations
 
 import gc
-import hashlib
 import os
 import re
 import shutil
@@ -119,7 +118,9 @@ def sources_hash() -> str:
     sources = {path: path.read_bytes() for path in sorted(_PACKAGE.rglob("*.py"))}
     with_loops = [source for source in sources.values() if b"padstudio.compiled import" in source]
     taken = {name.decode() for source in with_loops for name in _IMPORTED.findall(source)}
-    found = hashlib.blake2b(digest_size=8)
+    from hashlib import blake2b
+
+    found = blake2b(digest_size=8)
     for path, source in sources.items():
         place = path.relative_to(_PACKAGE).with_suffix("").as_posix()
         if source in with_loops or place.replace("/", ".") in taken:

@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike
 
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError, CameraMismatchError
-from padstudio.geometry import camera_files, projection
-from padstudio.geometry.camera_files import CameraFields, LensModel
-from padstudio.geometry.projection import Lens
+from padstudio.geometry import projection
+from padstudio.geometry.projection import Lens, LensModel
 
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
 # Two aspect ratios count as one when they differ by less than one pixel row in a thousand.
@@ -88,6 +87,9 @@ class Camera:
         CameraFormatError
             If it cannot be read or is none of these, naming what is wrong and where.
         """
+        # The reader of YAML takes a tenth of all imports, and many cameras come from no file.
+        from padstudio.geometry import camera_files
+
         path = Path(path)
         return cls.loads(camera_files.read(path), path.name)
 
@@ -106,6 +108,8 @@ class Camera:
         CameraFormatError
             As `load`.
         """
+        from padstudio.geometry import camera_files
+
         fields = camera_files.parse(data, name)
         with camera_files.naming(name):
             return cls(*fields)
@@ -120,8 +124,10 @@ class Camera:
         Fewer than the five coefficients of ``plumb_bob`` are filled up with zeros, which is the
         same lens. A nominal camera carries the key ``nominal``, which ROS ignores.
         """
+        from padstudio.geometry import camera_files
+
         fields = (self.width, self.height, self.matrix, self.distortion, self.model)
-        return camera_files.ros_yaml(CameraFields(*fields, self.name, self.nominal))
+        return camera_files.ros_yaml(camera_files.CameraFields(*fields, self.name, self.nominal))
 
     @property
     def distorted(self) -> bool:

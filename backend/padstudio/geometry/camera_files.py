@@ -22,7 +22,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
@@ -30,8 +30,8 @@ import yaml
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError
 from padstudio.geometry import plain_text
+from padstudio.geometry.projection import LensModel
 
-LensModel = Literal["radtan", "fisheye"]
 Data = Mapping[str, Any]
 
 #: The largest side of a calibrated picture, pixels.
