@@ -16,7 +16,7 @@ RUN make install && .venv/bin/python -m compileall -q backend
 FROM python:3.13-slim
 
 RUN useradd --create-home --uid 10001 padstudio \
-    && install --directory --owner padstudio --group padstudio /data
+    && install --directory --owner padstudio --group padstudio /data /var/cache/padstudio
 COPY --from=build /opt/padstudio /opt/padstudio
 
 ENV PATH=/opt/padstudio/.venv/bin:$PATH \

@@ -105,6 +105,18 @@ def test_where_nothing_can_be_written_loops_are_compiled_all_the_same(tmp_path: 
     assert run(CALL, package(tmp_path, 2), NUMBA_CACHE_DIR=str(blocked)) == "11"
 
 
+def test_machine_code_that_may_only_be_read_is_used(tmp_path: Path) -> None:
+    home = package(tmp_path, 2)
+    run(CALL, home)
+    kept = folders(home)[0]
+    written = {path: path.stat().st_mtime_ns for path in kept.rglob("*")}
+    # As root may write anywhere, writing is what fails here.
+    broken = "import pathlib; pathlib.Path.write_bytes = lambda *_: (_ for _ in ()).throw(OSError)"
+    hits = f"{broken}; {CALL}; print(sum(grown_and_one.dispatcher.stats.cache_hits.values()))"
+    assert run(hits, home).split() == ["11", "1"]
+    assert {path: path.stat().st_mtime_ns for path in kept.rglob("*")} == written
+
+
 def test_numba_waits_for_the_first_call() -> None:
     code = (
         "import sys; import padstudio.vision.detector, padstudio.pad.coding.generate;"

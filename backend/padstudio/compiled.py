@@ -88,10 +88,11 @@ def fast_inlined_jit(function: Callable[P, T]) -> Compiled[P, T]:
 
 @cache
 def cache_folder() -> Path | None:
-    """Where machine code is kept; None where no folder can be written.
+    """Where machine code is kept; None where there is no such folder and none can be made.
 
     Beside this module, else in the user's cache folder; the environment's ``NUMBA_CACHE_DIR``
-    overrides both.
+    overrides both. A folder that was filled when the package was installed serves users who may
+    only read it.
     """
     given = os.environ.get("NUMBA_CACHE_DIR")
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "padstudio"
@@ -99,8 +100,7 @@ def cache_folder() -> Path | None:
         folder = parent / f"{_FOLDER}{sources_hash()}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
-            if os.access(folder, os.W_OK):
-                return folder
+            return folder
     return None
 
 
