@@ -71,6 +71,17 @@ def test_exchanged_channels_give_no_pose_and_a_name(view: int) -> None:
 
 
 @pytest.mark.parametrize("view", range(len(VIEWS)))
+def test_a_trace_of_exchanged_channels_shows_each_channels_own_stages(view: int) -> None:
+    found = detector().detect(exchanged(frame(view)), trace=True)
+    assert found.failure is not None
+    assert found.trace is not None
+    for channel in ("red", "blue"):
+        record = found.trace.get("edges", channel)
+        assert record is None or record.channel == channel
+    assert [r.name for r in found.trace.records if r.channel is None and r.name == "decode"] == []
+
+
+@pytest.mark.parametrize("view", range(len(VIEWS)))
 def test_the_same_frames_give_their_poses_as_they_are(view: int) -> None:
     found = detector().detect(frame(view))
     assert found.ok, found.failure

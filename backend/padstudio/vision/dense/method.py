@@ -93,8 +93,7 @@ class Dense:
             return far
         level = last.level if isinstance(last, Miss) else None
         explain(search, last.region, [], level)
-        misread = recorder.run("decode", None, find_misreading, search)
-        return Detection(None, misread or diagnose(frame, found.failure))
+        return Detection(None, find_misreading(search) or diagnose(frame, found.failure))
 
     def follow(
         self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder

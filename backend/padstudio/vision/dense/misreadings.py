@@ -39,7 +39,7 @@ def find_misreading(search: Search) -> StageFailure | None:
 def _misread(search: Search, channel: Channel, cells: CellGrid) -> StageFailure | None:
     others = [other for other in search.indices if other != channel]
     if any(_agree(search, other, cells) for other in others):
-        return swapped()
+        return swapped("decode")
     if _agree(search, channel, _mirrored(cells)):
         return StageFailure(
             "decode",

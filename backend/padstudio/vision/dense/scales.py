@@ -102,7 +102,7 @@ def _fault(mixture: Mixture | None, scales: tuple[float, ...]) -> StageFailure |
     if mixture is None:
         return None
     if mixture.exchanged:
-        return swapped()
+        return swapped("pose")
     if mixture.unexplained is not None:
         detail = f"the {mixture.unexplained} channel shows what this pose does not explain"
     elif mixture.hidden is not None and scales:
@@ -124,10 +124,10 @@ def _tells_more(other: Mixture, than: Mixture | None) -> bool:
     return all(a.explained >= b.explained for a, b in pairs)
 
 
-def swapped() -> StageFailure:
-    """Red and blue are exchanged."""
+def swapped(stage: str) -> StageFailure:
+    """Red and blue are exchanged, as a stage found."""
     detail = "each layer is seen in the other one's channel: red and blue are exchanged"
-    return StageFailure("decode", Reason.CHANNELS_SWAPPED, detail, SWAPPED_ADVICE)
+    return StageFailure(stage, Reason.CHANNELS_SWAPPED, detail, SWAPPED_ADVICE)
 
 
 def rescaled(pad: Pad, pose: MovingPose, ratio: float) -> MovingPose:
