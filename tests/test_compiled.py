@@ -117,6 +117,26 @@ def test_machine_code_that_may_only_be_read_is_used(tmp_path: Path) -> None:
     assert {path: path.stat().st_mtime_ns for path in kept.rglob("*")} == written
 
 
+def test_code_under_another_loops_name_is_not_called(tmp_path: Path) -> None:
+    run(CALL, package(tmp_path, 2))
+    (kept,) = folders(tmp_path)
+    files = [path for path in kept.rglob("*") if path.is_file()]
+    (callee,) = [path for path in files if path.name.startswith("callee.grown-")]
+    (caller,) = [path for path in files if path.name.startswith("caller.grown_and_one-")]
+    caller.write_bytes(callee.read_bytes())
+    assert run(CALL, tmp_path) == "11"
+
+
+def test_code_of_which_a_bit_has_changed_is_not_called(tmp_path: Path) -> None:
+    run(CALL, package(tmp_path, 2))
+    for path in [path for path in folders(tmp_path)[0].rglob("*") if path.is_file()]:
+        code = bytearray(path.read_bytes())
+        code[len(code) // 2] ^= 1
+        path.write_bytes(code)
+    hits = f"{CALL}; print(sum(grown_and_one.dispatcher.stats.cache_hits.values()))"
+    assert run(hits, tmp_path).split() == ["11", "0"]
+
+
 def test_numba_waits_for_the_first_call() -> None:
     code = (
         "import sys; import padstudio.vision.detector, padstudio.pad.coding.generate;"

@@ -8,7 +8,6 @@ something is compiled.
 
 from __future__ import annotations
 
-import os
 import pickle
 import sys
 from contextlib import suppress
@@ -16,12 +15,16 @@ from functools import cache
 from hashlib import blake2b
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+from llvmlite import __version__ as llvmlite_version
 from llvmlite.binding import add_symbol, parse_bitcode
 from numba import __version__
 from numba.core.compiler import compile_result
 from numba.core.serialize import dumps
+
+_DIGEST_BYTES = 16
 
 
 class MachineCode:
@@ -43,10 +46,13 @@ class MachineCode:
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """The code for a signature, ready to be called; None where none is kept."""
-        kept = self._path(signature, context)
-        with suppress(OSError, EOFError, pickle.UnpicklingError):
-            _start_runtime()
-            return _rebuilt(pickle.loads(kept.read_bytes()), context)
+        # Whatever is wrong with a file, the function can be compiled.
+        with suppress(Exception):
+            data = self._path(signature, context).read_bytes()
+            digest, code = data[:_DIGEST_BYTES], data[_DIGEST_BYTES:]
+            if digest == self._digest(code):
+                _start_runtime()
+                return _rebuilt(pickle.loads(code), context)
         return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
@@ -54,16 +60,22 @@ class MachineCode:
         if result.library.has_dynamic_globals:
             # Addresses of this process are in its code.
             return
-        kept = self._path(signature, result.target_context)
-        fresh = kept.with_suffix(f".{os.getpid()}")
+        code = dumps(result._reduce())
         with suppress(OSError):
             self.cache_path.mkdir(parents=True, exist_ok=True)
-            fresh.write_bytes(dumps(result._reduce()))
-            fresh.replace(kept)
+            # Other machines may write to the folder, too, whose processes have the same numbers.
+            with TemporaryDirectory(dir=self.cache_path) as own:
+                fresh = Path(own, "code")
+                fresh.write_bytes(self._digest(code) + code)
+                fresh.replace(self._path(signature, result.target_context))
+
+    def _digest(self, code: bytes) -> bytes:
+        """Of the code and of whose it is."""
+        return blake2b(self._name.encode() + b"\0" + code, digest_size=_DIGEST_BYTES).digest()
 
     def _path(self, signature: Any, context: Any) -> Path:
         """The file for a signature, on this processor, for this Python and Numba."""
-        versions = sys.version_info[:2], sys.abiflags, __version__
+        versions = sys.version_info[:2], sys.abiflags, __version__, llvmlite_version
         key = repr((signature, context.codegen().magic_tuple(), versions)).encode()
         return self.cache_path / f"{self._name}-{blake2b(key, digest_size=8).hexdigest()}"
 

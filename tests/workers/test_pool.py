@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -209,3 +210,39 @@ def test_a_process_ends_with_its_server_also_in_the_middle_of_a_step() -> None:
         worker = psutil.Process(int(server.stdout.readline()))
         server.kill()
     worker.wait(30)
+
+
+def test_a_process_that_cannot_be_started_costs_its_caller_an_error_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    pool = WorkerPool(1, LIMITS, 5)
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr("padstudio.workers.pool.Process", fail)
+            with pytest.raises(WorkerCrashError, match="Too many open files"):
+                pool.submit(worker_jobs.identify, 1, timeout_s=30).result(timeout=30)
+            with pytest.raises(TaskLostError, match="try again"):
+                pool.start(worker_jobs.identify, 2).future.result(timeout=30)
+        assert pool.submit(worker_jobs.identify, 3, timeout_s=30).result(timeout=60)[0] == 3
+        assert pool.start(worker_jobs.identify, 4).future.result(timeout=60)[0] == 4
+        assert pool.free == 1
+    finally:
+        pool.close()
+
+
+def test_an_answer_that_cannot_be_sent_is_a_defect_of_its_request_alone(
+    pool: WorkerPool, tmp_path: Path
+) -> None:
+    with pytest.raises(RuntimeError, match="give_what_cannot_be_sent failed"):
+        pool.submit(worker_jobs.give_what_cannot_be_sent, timeout_s=30).result(timeout=60)
+    task = pool.start(worker_jobs.step_until, tmp_path / "go")
+    while not (tmp_path / "go.running").exists():
+        time.sleep(0.01)
+    with pytest.raises(RuntimeError, match="give_what_cannot_be_sent failed"):
+        pool.submit(worker_jobs.give_what_cannot_be_sent, timeout_s=30).result(timeout=60)
+    assert pool.submit(worker_jobs.identify, 5, timeout_s=30).result(timeout=60)[0] == 5
+    (tmp_path / "go").touch()
+    assert task.future.result(timeout=60)[0] != "stopped"

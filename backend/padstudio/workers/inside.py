@@ -18,6 +18,7 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from padstudio.errors import LimitError, StudioError, full_disk
@@ -127,19 +128,29 @@ class _Here:
         call = self._requests.recv()
         if call is not None:
             self._is_answering = True
-            self._requests.send(_outcome(*call))
-            self._is_answering = False
+            try:
+                self._requests.send_bytes(_outcome(*call))
+            finally:
+                self._is_answering = False
 
     def _do_task(self) -> None:
         number, *call = self._tasks.recv()
         if not call:
             return  # told to stop when it was over already
         self._task, self._is_stopped = number, False
-        self._tasks.send(_outcome(*call))
+        self._tasks.send_bytes(_outcome(*call))
         self._task = None
 
 
-def _outcome(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, Any]:
+def _outcome(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
+    """What comes of a call, pickled; a value that cannot be is a defect like others."""
+    try:
+        return bytes(ForkingPickler.dumps(_called(function, args)))
+    except Exception:
+        return bytes(ForkingPickler.dumps(("defect", traceback.format_exc())))
+
+
+def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, Any]:
     try:
         return "value", function(*args)
     except StudioError as error:

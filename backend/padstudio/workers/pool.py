@@ -9,16 +9,19 @@ process; a process that dies costs its caller an error; the next call gets a new
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, Literal, TypeVar
 
-from padstudio.errors import BusyError
+from padstudio.errors import BusyError, WorkerCrashError
 from padstudio.workers.inside import Limits
-from padstudio.workers.process import Call, Process
+from padstudio.workers.process import Call, Process, TaskLostError
 
 ResultT = TypeVar("ResultT")
+# Between two tries to start a process for tasks.
+_START_AGAIN_S = 1.0
 
 
 class WorkerPool:
@@ -136,7 +139,11 @@ class WorkerPool:
             return bool(self._requests) and (worker.is_free or not others)
 
         while self._wait_for(wanted):
-            process = worker.started()
+            try:
+                process = worker.started()
+            except WorkerCrashError as error:
+                self._refuse_next(error)
+                continue
             is_ready = process.offer_request()
             call = None
             # Whoever died beside its task took no request with it.
@@ -153,10 +160,15 @@ class WorkerPool:
         while self._wait_for(lambda: bool(self._tasks) and worker.is_free):
             call = worker.task = self._next(self._tasks)
             if call is not None:
-                call.process = worker.started()
-                deliver = call.run(call.process.do_task)
+                deliver = call.run(worker.do_task)
                 self._done(worker, "task")
                 deliver()
+
+    def _refuse_next(self, error: WorkerCrashError) -> None:
+        """Tell who waits for no process that none can be started."""
+        call = self._next(self._requests)
+        if call is not None:
+            call.future.set_exception(error)
 
     def _wait_for(self, wanted: Callable[[], bool]) -> bool:
         """Wait until there is something to do; False where the pool is closed."""
@@ -195,13 +207,35 @@ class _Worker:
         return self.request is None and self.task is None
 
     def started(self) -> Process:
-        """The process; another one where the last one ended."""
+        """The process; another one where the last one ended.
+
+        Raises
+        ------
+        TaskLostError
+            If the system has no room for one at present.
+        """
         with self._lock:
             if self._process is None or not self._process.is_alive():
-                self._process = Process(self._limits)
+                try:
+                    self._process = Process(self._limits)
+                except OSError as error:
+                    raise TaskLostError(
+                        f"no worker process can be started ({error.strerror or error}); free some "
+                        "memory, or close other programs, and try again"
+                    ) from error
             if self._is_closed:
                 self._process.end()
             return self._process
+
+    def do_task(self, call: Call) -> Any:
+        """What comes of a task."""
+        try:
+            call.process = self.started()
+        except TaskLostError:
+            # It is tried again at once, which would keep a core busy.
+            time.sleep(_START_AGAIN_S)
+            raise
+        return call.process.do_task(call)
 
     def close(self) -> None:
         """End the process for good."""

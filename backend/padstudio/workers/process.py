@@ -106,8 +106,10 @@ class Process:
             raise
         # Stays so where it dies of this request.
         self._is_answering = True
-        kind, value = self._reply(self._requests, lambda: self._requests.send_bytes(data), call)
-        self._is_answering = False
+        try:
+            kind, value = self._reply(self._requests, lambda: self._requests.send_bytes(data), call)
+        finally:
+            self._is_answering = self._is_over
         return _value(kind, value, call)
 
     def do_task(self, call: Call) -> Any:

@@ -152,6 +152,19 @@ def test_an_ink_that_does_not_show_is_no_fault_where_no_other_scale_could_be_mea
     assert errors(found.pose, pose)[0] < 0.3
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_dirt_in_one_channel_costs_no_pose_where_no_other_scale_could_be_meant(seed: int) -> None:
+    """A blue print that has faded to a seventh, under blotches."""
+    pad, rng = random_pad(20 + seed), np.random.default_rng(seed)
+    pose = look_at_pad(500.0, tilt_deg=10, heading_deg=70 * seed, tilt_towards_deg=60)
+    shown = frame_of(pose, pad=pad, camera=small_camera()).astype(float)
+    blotches = cv2.GaussianBlur(rng.normal(0, 1, shown.shape[:2]), (0, 0), 12)
+    shown[:, :, 0] = 110 + 0.15 * (shown[:, :, 0] - 110) + 25 * blotches / blotches.std()
+    found = Detector(pad, small_camera()).detect(np.clip(shown, 0, 255).astype(np.uint8))
+    assert found.ok, found.failure
+    assert errors(found.pose, pose)[0] < 0.3
+
+
 def read_at(pad: Pad, pose: Pose, channel: str) -> LayerRead:
     layer = pad.layer(channel)
     pyramid = Pyramid(frame_of(pose, pad=pad, camera=small_camera()))

@@ -188,6 +188,8 @@ def _points_in_view(camera: Camera, pad: Pad, pose: MovingPose) -> _Points | Non
     levels, telling = [], set()
     for layer in pad.layers:
         here = places * (finest.cell_mm / layer.cell_mm)
+        # A coarse layer need not reach the pad's right and lower sides.
+        inside &= (here < (layer.cols, layer.rows)).all(axis=1)
         cell = np.minimum(here.astype(np.intp), (layer.cols - 1, layer.rows - 1))
         cell_px = layer.cell_mm * px_per_mm
         if cell_px > _RIMMED_PX:

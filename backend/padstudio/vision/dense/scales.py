@@ -97,15 +97,18 @@ def _mixture(refiner: Refiner, pose: MovingPose) -> Mixture | None:
 def _fault(mixture: Mixture | None, scales: tuple[float, ...]) -> StageFailure | None:
     """What a mixture says against its pose.
 
-    A layer whose ink does not show is no fault where no other scale could be meant.
+    Dirt in a channel, or an ink that does not show, is no fault where no other scale could be
+    meant: the cells that the pose rests on have borne it out.
     """
     if mixture is None:
         return None
     if mixture.exchanged:
         return swapped("pose")
+    if not scales:
+        return None
     if mixture.unexplained is not None:
         detail = f"the {mixture.unexplained} channel shows what this pose does not explain"
-    elif mixture.hidden is not None and scales:
+    elif mixture.hidden is not None:
         detail = f"the {mixture.hidden} cells should be seen with this pose, and are not"
     else:
         return None

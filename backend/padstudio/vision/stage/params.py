@@ -217,7 +217,7 @@ class PaperParams(_Group):
 
 @dataclass(frozen=True, kw_only=True)
 class DetectorParams(_Group):
-    """Parameters of the whole pipeline."""
+    """Parameters of the detector."""
 
     log10_false_alarm: float = parameter(
         -6.0, -300.0, -2.0, "log10",

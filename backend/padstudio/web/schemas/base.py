@@ -61,7 +61,6 @@ CAMERA_EXAMPLE: dict[str, Any] = {
     "nominal": True,
     "note": "nominal, calibrate for accuracy",
 }
-_VERIFICATION = "What was proved of the finest layer, and in short of the `others`."
 _VERIFICATION_EXAMPLE: dict[str, Any] = {"windows": 4, "unique": True, "min_distance": 1}
 _TRACE = "/api/v1/detect/9b1d4c2a7e60f835"
 DETECTION_EXAMPLE: dict[str, Any] = {
