@@ -2,65 +2,20 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 
 import pytest
+from joined_modules import joined
 from places import ROOT
 
-from padstudio.web.pages.bundles import Bundle, bundle
+from padstudio.web.pages.bundles import bundle
 
 SCRIPTS = ROOT / "frontend" / "js"
 PAGES = ("design", "diagnose", "flight", "flights", "plan")
-
-MODULES = {
-    "page/page.js": """import * as words from "../shared/words.js";
-import {
-  double as twice,
-  Counter,
-} from "../shared/numbers.js";
-
-log(words.greet("you"), twice(4), new Counter().next());
-""",
-    "shared/words.js": """import { double } from "./numbers.js";
-log("words");
-/** @param {import("./numbers.js").Counter} unused */
-export const greet = (name) => `hello ${name} ${double(1)}`;
-""",
-    "shared/numbers.js": """log("numbers");
-const by = 2;
-export function double(x) {
-  return by * x;
-}
-export class Counter {
-  next() { return 1; }
-}
-export async function* never() {}
-""",
-}
-
-
-def joined(**changed: str) -> Bundle:
-    texts = MODULES | {name.replace("__", "/") + ".js": text for name, text in changed.items()}
-    return bundle("page/page.js", texts.__getitem__)
 
 
 def test_each_module_stands_once_and_before_its_importers() -> None:
     heads = re.findall(r"^const m\d+ = .*// (.*)$", joined().script, re.MULTILINE)
     assert heads == ["shared/numbers.js", "shared/words.js", "page/page.js"]
-
-
-@pytest.mark.skipif(shutil.which("node") is None, reason="no Node to run it")
-def test_it_runs_as_its_modules_do() -> None:
-    program = "const said = [];\nconst log = (...w) => said.push(...w);\n" + joined().script
-    answer = subprocess.run(
-        ["node", "--input-type=module"],
-        input=program + "console.log(JSON.stringify(said));",
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert json.loads(answer.stdout) == ["numbers", "words", "hello you 2", 8, 1]
 
 
 def decoded(mappings: str) -> list[tuple[int, int] | None]:
