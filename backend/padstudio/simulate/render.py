@@ -13,7 +13,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import corners_mm
 from padstudio.pad.spec import Channel, Pad
-from padstudio.simulate.motion import Motion, tracks
+from padstudio.simulate.motion import Course, Motion, course
 from padstudio.simulate.radiance.integrate import radiance
 from padstudio.simulate.radiance.lens import check_lens, frame_border
 from padstudio.simulate.radiance.scene import Scene
@@ -92,7 +92,7 @@ def render(
     seed : int
         Of the noise. The ground has a seed of its own in the scene.
     motion : Motion, optional
-        Velocity during the exposure.
+        Velocity and vibration during the frame.
 
     Returns
     -------
@@ -110,15 +110,15 @@ def render(
     motion = motion or Motion()
     check_lens(camera)
     check_pose(camera, pose)
-    path = tracks(
+    path = course(
         pose,
         motion,
         camera.height,
         exposure_ms=imaging.exposure_ms,
         readout_ms=imaging.readout_ms,
     )
-    check_track(path)
-    light = radiance(scene, camera, path)
+    check_course(path)
+    light = radiance(scene, camera, path.poses, path.pieces)
     image = expose(light, imaging, np.random.default_rng(seed))
     encoded = None
     if imaging.jpeg_quality is not None:
@@ -150,11 +150,12 @@ def check_pose(camera: Camera, pose: Pose) -> None:
         )
 
 
-def check_track(path: Array) -> None:
+def check_course(path: Course) -> None:
     """Refuse a motion that goes below the ground during the frame."""
-    if not path[..., 11].min() >= MIN_HEIGHT_MM:
+    lowest = path.poses[..., 11].min()
+    if not lowest >= MIN_HEIGHT_MM:
         raise SpecError(
-            f"the camera falls to {path[..., 11].min():.1f} mm while the frame is exposed; give a "
+            f"the camera falls to {lowest:.1f} mm while the frame is exposed; give a "
             f"slower motion or a higher start (limit {MIN_HEIGHT_MM:.0f} mm)",
             code="pose_below_ground",
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -17,6 +17,7 @@ from padstudio.simulate.radiance.lens import check_lens
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import Frame, check_pose, render
 from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.vibration import Vibration, shaking
 
 Path = Callable[[float], Pose]
 FlightKind = Literal["descent", "hover", "landing", "gusty", "tilts"]
@@ -62,7 +63,7 @@ class Flight:
         None for a series of stills that are not one movement.
     poses : tuple of Pose
     motions : tuple of Motion
-        Velocities at each pose.
+        Velocities and vibrations at each pose.
     groups : tuple of str
         What each frame tests, for the score.
     """
@@ -107,6 +108,9 @@ class FlightSpec:
     seed : int
     sway : float
         Scales how much the camera wanders and leans.
+    vibrations : tuple of Vibration
+        Shake the camera throughout a video, with the phases that they have at its first frame;
+        a still's phases are drawn for it alone.
 
     Raises
     ------
@@ -123,6 +127,7 @@ class FlightSpec:
     fps: float = 30.0
     seed: int = 0
     sway: float = 1.0
+    vibrations: tuple[Vibration, ...] = ()
 
     def __post_init__(self) -> None:
         if self.kind not in FLIGHT_KINDS:
@@ -150,6 +155,36 @@ class FlightSpec:
 
 def plan(spec: FlightSpec) -> Flight:
     """The poses and motions of a flight; the same spec gives the same flight."""
+    return shaken(_steady(spec), spec.vibrations, spec.seed)
+
+
+def shaken(flight: Flight, vibrations: tuple[Vibration, ...], seed: int = 0) -> Flight:
+    """A flight whose camera vibrates; its poses are those of the shaken camera.
+
+    Parameters
+    ----------
+    flight : Flight
+    vibrations : tuple of Vibration
+        With their phases at a video's first frame, through which they go on.
+    seed : int
+        Of the phases of stills, each of which has its own.
+    """
+    if not vibrations:
+        return flight
+    rng = np.random.default_rng([seed, *b"vibration"])
+    poses, motions = [], []
+    for frame, (pose, motion) in enumerate(zip(flight.poses, flight.motions, strict=True)):
+        time_s = flight.time_s(frame)
+        # Stills are far apart in time: any two of them are as good as unrelated.
+        moment = float(rng.uniform(0, 1000)) if time_s is None else time_s
+        now = tuple(vibration.later(moment) for vibration in vibrations)
+        poses.append(Pose(pose.position_mm, pose.rotation @ shaking(now, np.zeros(()))))
+        motions.append(replace(motion, vibrations=now))
+    return replace(flight, poses=tuple(poses), motions=tuple(motions))
+
+
+def _steady(spec: FlightSpec) -> Flight:
+    """The flight without vibrations."""
     kind, frames, from_mm, sway = spec.kind, spec.frames, spec.from_mm, spec.sway
     rng = np.random.default_rng([spec.seed, *kind.encode()])
     if kind == "descent":

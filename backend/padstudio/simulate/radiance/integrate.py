@@ -23,7 +23,7 @@ _LATTICES = ((16, 13, 11), (64, 45, 53), (256, 185, 229))
 _BAND = 32
 
 
-def radiance(scene: Scene, camera: Camera, tracks: Array) -> NDArray[np.float32]:
+def radiance(scene: Scene, camera: Camera, tracks: Array, pieces: int = 1) -> NDArray[np.float32]:
     """Average light on each pixel of an ideal lens.
 
     Parameters
@@ -31,14 +31,16 @@ def radiance(scene: Scene, camera: Camera, tracks: Array) -> NDArray[np.float32]
     scene : Scene
     camera : Camera
     tracks : (H or 1, T, 12) float64
-        As of `padstudio.simulate.motion.tracks`.
+        Poses of each row's exposure, as of `padstudio.simulate.motion.Course`.
+    pieces : int
+        Pieces of an exposure's path that are each as good as straight.
 
     Returns
     -------
     (H, W, 3) float32
         Linear RGB; 1.0 is white paper's upper bound under light of level 1.
     """
-    view = View(ray_map(camera), tracks, _lattices())
+    view = View(ray_map(camera), tracks, pieces, _lattices())
     surface, light = surface_of(scene), illumination_of(scene.light)
     out = np.empty((camera.height, camera.width, 3), np.float32)
 

@@ -52,12 +52,15 @@ class View(NamedTuple):
         Normalized coordinates of pixel centres, with a border of one.
     tracks : (H or 1, T, 12) float64
         Poses at evenly spaced instants of each row's exposure: rotation, position.
+    pieces : int
+        Pieces of an exposure's path that are each as good as straight.
     lattices : (3, 256, 3) float64
         Sample positions in 0 … 1: along the row, along the column, during the exposure.
     """
 
     rays: NDArray[np.float32]
     tracks: Array
+    pieces: int
     lattices: Array
 
 
@@ -103,12 +106,13 @@ def _footprint(pixel: Pixel, pose: Array) -> tuple[bool, Box]:
 
 
 @inlined_jit
-def _swept(pixel: Pixel, poses: Array) -> tuple[bool, Box]:
+def _swept(pixel: Pixel, poses: Array, pieces: int) -> tuple[bool, Box]:
     """As `_footprint`, over the whole exposure; ``poses`` (T, 12)."""
     last = poses.shape[0] - 1
     whole, box = _footprint(pixel, poses[0])
-    for moment in range(1, 3 if last > 0 else 1):
-        hit, other = _footprint(pixel, poses[moment * last // 2])
+    moments = 2 * pieces
+    for moment in range(1, moments + 1 if last > 0 else 1):
+        hit, other = _footprint(pixel, poses[moment * last // moments])
         whole = whole and hit
         box = Box(
             min(box.x0, other.x0),
@@ -120,15 +124,19 @@ def _swept(pixel: Pixel, poses: Array) -> tuple[bool, Box]:
 
 
 @inlined_jit
-def _instants(pixel: Pixel, narrow_mm: float, poses: Array) -> int:
+def _instants(pixel: Pixel, narrow_mm: float, poses: Array, pieces: int) -> int:
     """Instants that resolve a pixel's path during the exposure: two a pixel of path."""
     times = len(poses)
     if times == 1:
         return 1
+    length_mm = 0.0
     _, x0, y0 = _ground_point(pixel.x, pixel.y, poses[0])
-    _, x1, y1 = _ground_point(pixel.x, pixel.y, poses[times - 1])
-    path = math.hypot(x1 - x0, y1 - y0) / max(narrow_mm, 1e-9)
-    return min(times, 2 + int(2.0 * path))
+    for piece in range(1, pieces + 1):
+        _, x1, y1 = _ground_point(pixel.x, pixel.y, poses[piece * (times - 1) // pieces])
+        length_mm += math.hypot(x1 - x0, y1 - y0)
+        x0, y0 = x1, y1
+    path = length_mm / max(narrow_mm, 1e-9)
+    return min(times, 1 + pieces + int(2.0 * path))
 
 
 @inlined_jit
@@ -242,10 +250,10 @@ def _along_path(
 
 @inlined_jit
 def _shade(
-    pixel: Pixel, poses: Array, lattices: Array, surface: Surface
+    pixel: Pixel, poses: Array, pieces: int, lattices: Array, surface: Surface
 ) -> tuple[float, float, float, float]:
     """Mean colour of what a pixel sweeps over, and the share of sky in it."""
-    whole, box = _swept(pixel, poses)
+    whole, box = _swept(pixel, poses, pieces)
     wide, narrow, which = _FAR_MM, _FAR_MM, 1
     if whole:
         content, q, p = _content(box, surface)
@@ -254,7 +262,7 @@ def _shade(
             return r, g, b, 0.0
         _, box = _footprint(pixel, poses[poses.shape[0] // 2])
         wide, narrow = max(box.x1 - box.x0, box.y1 - box.y0), min(box.x1 - box.x0, box.y1 - box.y0)
-        instants = _instants(pixel, narrow, poses)
+        instants = _instants(pixel, narrow, poses, pieces)
         if content == _BARE:
             simple = wide < 2.0 * narrow
         else:
@@ -307,7 +315,7 @@ def shade_rows(
                 for c in range(3):
                     out[row, col, c] = sky[c]
                 continue
-            red, green, blue, clear = _shade(pixel, poses, view.lattices, surface)
+            red, green, blue, clear = _shade(pixel, poses, view.pieces, view.lattices, surface)
             glow = light_at(x, y, light)
             out[row, col, 0] = red * glow + clear * sky[0]
             out[row, col, 1] = green * glow + clear * sky[1]
