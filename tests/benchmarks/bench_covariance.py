@@ -1,67 +1,36 @@
 #!/usr/bin/env python3
 """Is the covariance true? Normalized estimation errors squared over simulated flights.
 
-    bench_covariance.py [--frames N] [--seeds N]
+    bench_covariance.py [--frames N] [--seeds N] [--only NAME] [--pad FILE] [--camera FILE]
 
-For each kind of flight the squared error of every pose, normalized by its covariance, is divided
-by its six degrees of freedom: 1 is a covariance that is true, more is one that promises too much.
-The mean of that, the median over the median of the chi-squared law, and the same by height.
+For each set of frames (covariance_sets.py) the squared error of every pose, normalized by its
+covariance, is divided by its six degrees of freedom: 1 is a covariance that is true, more is one
+that promises too much. Its mean, and its median over that of the chi-squared law; the root mean
+square of each part over its sigma; and how many of the poses are full, poor or false by score.py.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+import score
+from covariance_sets import TRIALS, Trial, frames_of
 from numpy.typing import NDArray
 
 from padstudio import Camera, Detector, Pad
 from padstudio.geometry.pose import Pose
-from padstudio.simulate.radiance.scene import Scene
-from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.trajectories import FlightKind, FlightSpec, Setup, plan
 from padstudio.vision.stage.detection import Detection
 
 FOOTAGE = Path(__file__).resolve().parents[1] / "footage"
 #: Median of the chi-squared law of six degrees of freedom.
 _MEDIAN = 5.348
-_STILL = Imaging(exposure_ms=0.0)
-_ROLLING = Imaging(exposure_ms=3.0, readout_ms=20.0)
-
-
-#: A video of each kind is the middle of three seconds from each of these to two fifths of it.
-_FRAMES = 90
-_HEIGHTS_MM = (4500.0, 2200.0, 1100.0, 550.0, 250.0, 120.0)
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One kind of flight; stills where `stills_mm` tells from where to where."""
-
-    name: str
-    kind: FlightKind
-    imaging: Imaging
-    tracked: bool = False
-    stills_mm: tuple[float, float] | None = None
-
-
-TRIALS = (
-    Trial("stills, no motion", "descent", _STILL, stills_mm=(12_000, 70)),
-    Trial("tilts, no motion", "tilts", _STILL, stills_mm=(900, 900)),
-    Trial("landing, global shutter", "landing", Imaging(exposure_ms=3.0)),
-    Trial("hover, rolling, single frames", "hover", _ROLLING),
-    Trial("landing, rolling, single frames", "landing", _ROLLING),
-    Trial("gusty, rolling, single frames", "gusty", _ROLLING),
-    Trial("hover, rolling, tracked", "hover", _ROLLING, tracked=True),
-    Trial("landing, rolling, tracked", "landing", _ROLLING, tracked=True),
-    Trial("gusty, rolling, tracked", "gusty", _ROLLING, tracked=True),
-)
 
 
 def normalized_error(found: Detection, truth: Pose) -> tuple[float, NDArray[np.float64]]:
@@ -75,32 +44,6 @@ def normalized_error(found: Detection, truth: Pose) -> tuple[float, NDArray[np.f
         float(error @ np.linalg.solve(covariance, error)) / 6,
         error / np.sqrt(np.diag(covariance)),
     )
-
-
-def frames_of(
-    trial: Trial, pad: Pad, camera: Camera, frames: int, seed: int
-) -> Iterator[tuple[NDArray[np.uint8], Pose]]:
-    """The pictures of a flight and their true poses."""
-    start = _HEIGHTS_MM[seed % len(_HEIGHTS_MM)]
-    from_mm, to_mm = trial.stills_mm or (start, 0.4 * start)
-    if trial.stills_mm:
-        flight = plan(
-            FlightSpec(kind=trial.kind, frames=frames, from_mm=from_mm, to_mm=to_mm, seed=seed)
-        )
-    else:
-        whole = plan(
-            FlightSpec(
-                kind=trial.kind, frames=_FRAMES, from_mm=from_mm, to_mm=to_mm, seed=seed, fps=30.0
-            )
-        )
-        some = slice((_FRAMES - frames) // 2, (_FRAMES + frames) // 2)
-        flight = replace(
-            whole, poses=whole.poses[some], motions=whole.motions[some], groups=whole.groups[some]
-        )
-    scene = Scene(pad=pad, ground="gravel")
-    setup = Setup(scene=scene, camera=camera, imaging=trial.imaging, seed=seed)
-    for frame in flight.frames(setup):
-        yield frame.image, frame.truth.pose
 
 
 def run(trial: Trial, pad: Pad, camera: Camera, frames: int, seeds: int) -> list[dict[str, Any]]:
@@ -124,7 +67,7 @@ def run(trial: Trial, pad: Pad, camera: Camera, frames: int, seeds: int) -> list
 def _record(detection: Detection, truth: Pose) -> dict[str, Any]:
     height = float(truth.position_mm[2])
     if detection.pose is None:
-        return {"ok": False, "height_mm": height}
+        return {"ok": False, "height_mm": height, "reason": detection.failure.reason.value}
     nees, parts = normalized_error(detection, truth)
     error = float(np.linalg.norm(detection.pose.position_mm - truth.position_mm))
     return {
@@ -134,21 +77,43 @@ def _record(detection: Detection, truth: Pose) -> dict[str, Any]:
         "parts": parts.tolist(),
         "layer": detection.layer,
         "error_percent": 100 * error / height,
+        "verdict": score.judge(
+            plain(truth), {"status": "ok", **plain(detection.pose)}, ("", 0)
+        ).verdict,
+        "full": getattr(detection, "quality", "full") == "full",
         "moving": bool(detection.shift_mm is not None and np.any(detection.shift_mm)),
     }
 
 
+def plain(pose: Pose) -> dict[str, Any]:
+    """A pose as truth and poses files have it."""
+    return {"position_mm": pose.position_mm.tolist(), "rotation": pose.rotation.tolist()}
+
+
+HEAD = (
+    f"{'set':36s}{'found':>9s}{'full':>6s}{'poor':>6s}{'false':>6s}{'(full)':>7s}"
+    f"{'mean':>9s}{'median':>8s}{'95 %':>9s}"
+    f"  {'x y z, turn: RMS over sigma':36s}{'position %':>10s}"
+)
+
+
 def summary(records: list[dict[str, Any]]) -> str:
-    """A line of figures."""
+    """A line of figures, under `HEAD`."""
     found = [r for r in records if r["ok"]]
+    if not found:
+        return f"{0:4d}/{len(records):4d}"
     nees = np.array([r["nees"] for r in found], float)
     parts = np.sqrt(np.mean(np.square([r["parts"] for r in found]), axis=0))
     error = np.median([r["error_percent"] for r in found])
+    count = Counter(r["verdict"] for r in found)
+    full = [r for r in found if r["full"]]
+    false_full = sum(r["verdict"] == "false" for r in full)
     return (
-        f"{len(found):4d}/{len(records):4d}  mean {nees.mean():7.2f}  "
-        f"median {np.median(nees) * 6 / _MEDIAN:6.2f}  95 % {np.percentile(nees, 95):7.2f}  "
-        f"xyz {parts[0]:.2f} {parts[1]:.2f} {parts[2]:.2f}  "
-        f"turn {parts[3]:.2f} {parts[4]:.2f} {parts[5]:.2f}  position {error:.4f} %"
+        f"{len(found):4d}/{len(records):4d}{len(full):6d}{count['poor']:6d}{count['false']:6d}"
+        f"{false_full:7d}{nees.mean():9.2f}{np.median(nees) * 6 / _MEDIAN:8.2f}"
+        f"{np.percentile(nees, 95):9.2f}  "
+        + "".join(f"{part:6.2f}" for part in parts)
+        + f"{error:10.4f}"
     )
 
 
@@ -156,18 +121,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=10)
     parser.add_argument("--seeds", type=int, default=6)
-    parser.add_argument("--only", default="", help="part of a trial's name")
+    parser.add_argument("--only", default="", help="part of a set's name")
+    parser.add_argument("--pad", type=Path, default=FOOTAGE / "pad_a.json")
+    parser.add_argument("--camera", type=Path, default=FOOTAGE / "camera_drone_half.yaml")
     parser.add_argument("--json", type=Path, help="write one record a frame")
     args = parser.parse_args()
     cv2.setNumThreads(1)
-    pad = Pad.load(FOOTAGE / "pad_a.json")
-    camera = Camera.load(FOOTAGE / "camera_drone_half.yaml")
+    pad, camera = Pad.load(args.pad), Camera.load(args.camera)
     everything = {}
+    print(HEAD)
     for trial in TRIALS:
         if args.only in trial.name:
             records = run(trial, pad, camera, args.frames, args.seeds)
             everything[trial.name] = records
-            print(f"{trial.name:32s} {summary(records)}", flush=True)
+            print(f"{trial.name:36s}{summary(records)}", flush=True)
     if args.json:
         args.json.write_text(json.dumps(everything), encoding="utf-8")
 
