@@ -202,12 +202,10 @@ def test_refuses_a_motion_through_the_ground():
         )
 
 
-def test_refuses_a_field_of_view_of_180_degrees():
-    fisheye = Camera(
-        640, 640, np.array([[203.7, 0, 320], [0, 203.7, 320], [0, 0, 1.0]]), np.zeros(4), "fisheye"
-    )
+def test_refuses_a_plain_lens_of_more_than_170_degrees():
+    plain = Camera(640, 640, np.array([[20.0, 0, 320], [0, 20.0, 320], [0, 0, 1.0]]))
     with pytest.raises(LimitError, match="170") as caught:
-        render(scene(random_pad()), fisheye, look_at_pad(500.0))
+        render(scene(random_pad()), plain, look_at_pad(500.0))
     assert caught.value.error_code == "field_of_view_too_wide"
 
 

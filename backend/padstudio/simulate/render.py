@@ -15,8 +15,10 @@ from padstudio.pad.layout import corners_mm
 from padstudio.pad.spec import Channel, Pad
 from padstudio.simulate.motion import Course, Motion, course
 from padstudio.simulate.radiance.integrate import radiance
-from padstudio.simulate.radiance.lens import check_lens, frame_border
+from padstudio.simulate.radiance.lay import best_fit, laid
+from padstudio.simulate.radiance.lens import border_rays, check_lens, pixels_of_points
 from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.radiance.surface import half_sides_mm
 from padstudio.simulate.sensor import Imaging, encode_jpeg, expose
 
 # Nearer, the lens itself would touch the ground.
@@ -46,10 +48,31 @@ class Truth:
     seed: int
 
     def corners_px(self, channel: Channel) -> Array:
-        """(rows + 1, cols + 1, 2) pixels of a layer's cell corners; NaN behind the camera."""
-        if self.scene.pad is None:
+        """(rows + 1, cols + 1, 2) pixels of a layer's cell corners; NaN behind the camera.
+
+        Where the print is bent or in sheets they are where it shows them, hidden ones too.
+        """
+        pad, lay = self.scene.pad, self.scene.lay
+        if pad is None:
             raise SpecError("the scene has no pad, hence no corners")
-        return corners_px(self.camera, self.pose, self.scene.pad, channel)
+        if lay is None:
+            return corners_px(self.camera, self.pose, pad, channel)
+        flat = corners_mm(pad, channel)
+        points = laid(lay, half_sides_mm(self.scene), flat[..., :2].reshape(-1, 2))
+        return pixels_of_points(self.camera, self.pose.to_camera(points)).reshape(
+            *flat.shape[:2], 2
+        )
+
+    @property
+    def fitted_pose(self) -> Pose:
+        """The pose relative to the plane that fits the print best as it lies.
+
+        As true as `pose`, which is relative to the nominal plane, where the print is bent or its
+        sheets lie off their places; the same pose where it is flat and whole.
+        """
+        if self.scene.lay is None or self.scene.size_mm is None:
+            return self.pose
+        return best_fit(self.scene.lay, half_sides_mm(self.scene), self.pose)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +142,11 @@ def render(
     )
     check_course(path)
     light = radiance(scene, camera, path.poses, path.pieces)
+    if imaging.response is not None:
+        beside = None
+        if any(imaging.response.infrared):
+            beside = radiance(scene, camera, path.poses, path.pieces, infrared=True)
+        light = imaging.response.sensed(light, beside)
     image = expose(light, imaging, np.random.default_rng(seed))
     encoded = None
     if imaging.jpeg_quality is not None:
@@ -139,8 +167,7 @@ def check_pose(camera: Camera, pose: Pose) -> None:
             code="pose_below_ground",
             detail={"height_mm": height, "limit_mm": MIN_HEIGHT_MM},
         )
-    border = camera.normalize(frame_border(camera))
-    rays = np.column_stack([border, np.ones(len(border))]) @ pose.rotation.T
+    rays = border_rays(camera) @ pose.rotation.T
     if (rays[:, 2] >= 0).all() and pose.rotation[2, 2] >= 0:
         raise SpecError(
             f"the camera sees no ground (its axis is {pose.tilt_deg:.0f} degrees off straight "
@@ -167,8 +194,8 @@ def corners_px(camera: Camera, pose: Pose, pad: Pad, channel: Channel) -> Array:
     Returns
     -------
     (rows + 1, cols + 1, 2) float64
-        Pixels; NaN for corners behind the camera.
+        Pixels; NaN for corners behind the camera, or beyond a fisheye's rim.
     """
     corners = corners_mm(pad, channel)
-    pixels = camera.project(pose.to_camera(corners.reshape(-1, 3)))
+    pixels = pixels_of_points(camera, pose.to_camera(corners.reshape(-1, 3)))
     return pixels.reshape(*corners.shape[:2], 2)

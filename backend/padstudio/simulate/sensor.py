@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from padstudio.arrays import Image
 from padstudio.color import srgb_from_linear
 from padstudio.errors import SpecError
+from padstudio.simulate.response import Response
 
 Light = NDArray[np.float32]
 
@@ -69,6 +70,8 @@ class Imaging:
     sharpen : float
         Strength of the camera's own unsharp mask.
     tone : {"srgb", "linear"}
+    response : Response or None
+        Of the sensor; None takes the scene's colours as they are. A monochrome one has no mosaic.
     jpeg_quality : int or None
         1 … 100, 4:2:0; None stores what the sensor gave.
     """
@@ -86,6 +89,7 @@ class Imaging:
     bayer: bool = True
     sharpen: float = 0.0
     tone: Literal["srgb", "linear"] = "srgb"
+    response: Response | None = None
     jpeg_quality: int | None = 88
 
     def __post_init__(self) -> None:
@@ -136,7 +140,7 @@ def expose(light: Light, imaging: Imaging, rng: np.random.Generator) -> Image:
     Parameters
     ----------
     light : (H, W, 3) float32
-        Linear RGB, 1.0 saturates at brightness 1. Overwritten.
+        Linear RGB as the sensor's response has it, 1.0 saturates at brightness 1. Overwritten.
     imaging : Imaging
     rng : numpy.random.Generator
 
@@ -146,8 +150,12 @@ def expose(light: Light, imaging: Imaging, rng: np.random.Generator) -> Image:
         BGR.
     """
     light = _lens(light, imaging)
-    raw = sensor(_mosaic(light) if imaging.bayer else light, imaging, rng)
-    if imaging.bayer:
+    mono = imaging.response is not None and imaging.response.mono
+    bayer = imaging.bayer and not mono
+    raw = sensor(_mosaic(light) if bayer else light[..., 0] if mono else light, imaging, rng)
+    if mono:
+        bgr = cv2.cvtColor(raw, cv2.COLOR_GRAY2BGR)
+    elif bayer:
         # OpenCV names mosaics after the second row's second and third pixel.
         bgr = cv2.cvtColor(raw, cv2.COLOR_BayerBG2BGR_EA)
     else:

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.color import linear_from_srgb
+from padstudio.color import linear_from_srgb, srgb_from_linear
 from padstudio.errors import SpecError
 
 Rgb = tuple[float, float, float]
+Eight = tuple[float, float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +26,9 @@ class Inks:
     Attributes
     ----------
     black, red, green, blue, yellow, magenta, cyan, white : (r, g, b)
+    infrared_greys : (8,)
+        The same inks at 850 nm, sRGB of a grey: black, red, green, yellow, blue, magenta, cyan,
+        white. Carbon stays black, colours bleach, those with cyan the least.
     """
 
     black: Rgb = (49.0, 49.0, 53.0)
@@ -35,11 +39,15 @@ class Inks:
     magenta: Rgb = (174.0, 81.0, 158.0)
     cyan: Rgb = (56.0, 152.0, 176.0)
     white: Rgb = (226.0, 224.0, 226.0)
+    infrared_greys: Eight = (50.0, 176.0, 150.0, 196.0, 128.0, 202.0, 188.0, 226.0)
 
     def __post_init__(self) -> None:
         values = self._primaries()
         if not (np.isfinite(values).all() and (values >= 0).all() and (values <= 255).all()):
             raise SpecError("each ink is three sRGB values within 0 … 255")
+        greys = np.array(self.infrared_greys, float)
+        if greys.shape != (8,) or not ((greys >= 0) & (greys <= 255)).all():
+            raise SpecError("infrared_greys are eight sRGB values within 0 … 255")
 
     @classmethod
     def ideal(cls) -> Inks:
@@ -53,6 +61,55 @@ class Inks:
             magenta=(255, 0, 255),
             cyan=(0, 255, 255),
             white=(255, 255, 255),
+        )
+
+    def infrared(self) -> Inks:
+        """How the same print looks to a camera that sees the near infrared alone."""
+        black, red, green, yellow, blue, magenta, cyan, white = (
+            (grey, grey, grey) for grey in self.infrared_greys
+        )
+        return Inks(
+            black=black,
+            red=red,
+            green=green,
+            blue=blue,
+            yellow=yellow,
+            magenta=magenta,
+            cyan=cyan,
+            white=white,
+        )
+
+    def faded(self, share: float) -> Inks:
+        """The print after years in the sun: so much of its dyes is gone.
+
+        A dye's density is its amount (Beer and Lambert), so that what it takes of the paper's
+        reflectance shrinks by a power. Carbon black loses a third of what colours lose.
+
+        Parameters
+        ----------
+        share : float
+            0 … 1.
+        """
+        if not 0 <= share <= 1:
+            raise SpecError(f"the share of faded ink is {share}; it must lie within 0 … 1")
+        linear = linear_from_srgb(self._primaries() / 255.0)
+        paper = np.maximum(linear[7], 1e-6)
+        left = np.full((8, 1), 1 - share)
+        left[0] = 1 - share / 3
+        srgb = 255.0 * srgb_from_linear(paper * (np.maximum(linear, 1e-6) / paper) ** left)
+        black, red, green, yellow, blue, magenta, cyan, white = (
+            (float(r), float(g), float(b)) for r, g, b in np.clip(srgb, 0, 255)
+        )
+        return Inks(
+            black=black,
+            red=red,
+            green=green,
+            blue=blue,
+            yellow=yellow,
+            magenta=magenta,
+            cyan=cyan,
+            white=white,
+            infrared_greys=self.infrared_greys,
         )
 
     def reflectance(self, colors: NDArray[np.uint8]) -> NDArray[np.float32]:

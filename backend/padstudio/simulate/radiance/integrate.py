@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.simulate.radiance.kernel import View, shade_rows
-from padstudio.simulate.radiance.lens import ray_map
+from padstudio.simulate.radiance.lens import beyond_lens, ray_map
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.radiance.surface import illumination_of, surface_of
 
@@ -23,7 +23,9 @@ _LATTICES = ((16, 13, 11), (64, 45, 53), (256, 185, 229))
 _BAND = 32
 
 
-def radiance(scene: Scene, camera: Camera, tracks: Array, pieces: int = 1) -> NDArray[np.float32]:
+def radiance(
+    scene: Scene, camera: Camera, tracks: Array, pieces: int = 1, *, infrared: bool = False
+) -> NDArray[np.float32]:
     """Average light on each pixel of an ideal lens.
 
     Parameters
@@ -34,6 +36,8 @@ def radiance(scene: Scene, camera: Camera, tracks: Array, pieces: int = 1) -> ND
         Poses of each row's exposure, as of `padstudio.simulate.motion.Course`.
     pieces : int
         Pieces of an exposure's path that are each as good as straight.
+    infrared : bool
+        The near infrared alone, in three equal channels as far as prints go.
 
     Returns
     -------
@@ -41,7 +45,7 @@ def radiance(scene: Scene, camera: Camera, tracks: Array, pieces: int = 1) -> ND
         Linear RGB; 1.0 is white paper's upper bound under light of level 1.
     """
     view = View(ray_map(camera), tracks, pieces, _lattices())
-    surface, light = surface_of(scene), illumination_of(scene.light)
+    surface, light = surface_of(scene, infrared=infrared), illumination_of(scene.light)
     out = np.empty((camera.height, camera.width, 3), np.float32)
 
     def shade(first: int) -> None:
@@ -49,7 +53,13 @@ def radiance(scene: Scene, camera: Camera, tracks: Array, pieces: int = 1) -> ND
 
     with ThreadPoolExecutor(max_workers=min(8, os.cpu_count() or 1)) as pool:
         list(pool.map(shade, range(0, camera.height, _BAND)))
+    if scene.fog is not None:
+        middle = tracks[len(tracks) // 2, tracks.shape[1] // 2]
+        scene.fog.veil(out, view.rays, middle, scene.light.level)
     out *= np.asarray(scene.light.cast, np.float32)
+    dark = beyond_lens(camera)
+    if dark is not None:
+        out[dark] = 0
     return out
 
 

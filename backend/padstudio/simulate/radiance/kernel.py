@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.compiled import inlined_jit, pure_jit
 from padstudio.simulate.radiance.area_kernel import Quad, quadrant_area
-from padstudio.simulate.radiance.surface import Illumination, Surface
+from padstudio.simulate.radiance.lay_kernel import Ray, ground_point, seen_point
+from padstudio.simulate.radiance.litter_kernel import touches_litter
+from padstudio.simulate.radiance.surface import FLAT, Illumination, Surface
 from padstudio.simulate.radiance.surface_kernel import (
     Box,
     Rgb,
@@ -48,8 +50,8 @@ class View(NamedTuple):
 
     Attributes
     ----------
-    rays : (H + 2, W + 2, 2) float32
-        Normalized coordinates of pixel centres, with a border of one.
+    rays : (H + 2, W + 2, 3) float32
+        Directions of pixel centres in the camera frame, of any length, with a border of one.
     tracks : (H or 1, T, 12) float64
         Poses at evenly spaced instants of each row's exposure: rotation, position.
     pieces : int
@@ -65,26 +67,27 @@ class View(NamedTuple):
 
 
 class Pixel(NamedTuple):
-    """A pixel's ray (x, y), and its steps along the row (ux, uy) and the column (vx, vy)."""
+    """A pixel's ray, and its steps along the row (u) and the column (v), camera frame."""
 
     x: float
     y: float
+    z: float
     ux: float
     uy: float
+    uz: float
     vx: float
     vy: float
+    vz: float
 
 
 @inlined_jit
-def _ground_point(x: float, y: float, pose: Array) -> tuple[bool, float, float]:
-    """Whether a ray (x, y) meets the plane, and where; ``pose`` (12,)."""
-    dz = pose[6] * x + pose[7] * y + pose[8]
-    if dz > -1e-6:
-        return False, 0.0, 0.0
-    s = -pose[11] / dz
-    dx = pose[0] * x + pose[1] * y + pose[2]
-    dy = pose[3] * x + pose[4] * y + pose[5]
-    return True, pose[9] + s * dx, pose[10] + s * dy
+def _ray(pixel: Pixel, a: float, b: float) -> Ray:
+    """The ray a pixel's fractions off its centre."""
+    return Ray(
+        pixel.x + a * pixel.ux + b * pixel.vx,
+        pixel.y + a * pixel.uy + b * pixel.vy,
+        pixel.z + a * pixel.uz + b * pixel.vz,
+    )
 
 
 @inlined_jit
@@ -95,9 +98,7 @@ def _footprint(pixel: Pixel, pose: Array) -> tuple[bool, Box]:
     for corner in range(4):
         a = 0.5 if corner & 1 else -0.5
         b = 0.5 if corner & 2 else -0.5
-        hit, x, y = _ground_point(
-            pixel.x + a * pixel.ux + b * pixel.vx, pixel.y + a * pixel.uy + b * pixel.vy, pose
-        )
+        hit, x, y = ground_point(_ray(pixel, a, b), pose)
         if not hit:
             return False, Box(0.0, 0.0, 0.0, 0.0)
         x0, x1 = min(x0, x), max(x1, x)
@@ -130,9 +131,9 @@ def _instants(pixel: Pixel, narrow_mm: float, poses: Array, pieces: int) -> int:
     if times == 1:
         return 1
     length_mm = 0.0
-    _, x0, y0 = _ground_point(pixel.x, pixel.y, poses[0])
+    _, x0, y0 = ground_point(_ray(pixel, 0.0, 0.0), poses[0])
     for piece in range(1, pieces + 1):
-        _, x1, y1 = _ground_point(pixel.x, pixel.y, poses[piece * (times - 1) // pieces])
+        _, x1, y1 = ground_point(_ray(pixel, 0.0, 0.0), poses[piece * (times - 1) // pieces])
         length_mm += math.hypot(x1 - x0, y1 - y0)
         x0, y0 = x1, y1
     path = length_mm / max(narrow_mm, 1e-9)
@@ -140,9 +141,30 @@ def _instants(pixel: Pixel, narrow_mm: float, poses: Array, pieces: int) -> int:
 
 
 @inlined_jit
+def _swept_on_sheet(pixel: Pixel, poses: Array, pieces: int, surface: Surface) -> tuple[bool, Box]:
+    """Whether a pixel keeps to one part of a sheet that is not flat, and its bounding box there."""
+    last = poses.shape[0] - 1
+    moments = 2 * pieces if last > 0 else 0
+    x0 = y0 = 1e30
+    x1 = y1 = -1e30
+    _, _, _, first = seen_point(_ray(pixel, 0.0, 0.0), poses[0], surface)
+    one = True
+    for moment in range(moments + 1):
+        pose = poses[moment * last // max(moments, 1)]
+        for corner in range(4):
+            a = 0.5 if corner & 1 else -0.5
+            b = 0.5 if corner & 2 else -0.5
+            _, x, y, part = seen_point(_ray(pixel, a, b), pose, surface)
+            one = one and part == first
+            x0, x1 = min(x0, x), max(x1, x)
+            y0, y1 = min(y0, y), max(y1, y)
+    return one, Box(x0, x1, y0, y1)
+
+
+@inlined_jit
 def _content(box: Box, surface: Surface) -> tuple[int, int, int]:
     """What a box on the ground holds: bare ground, one patch (its row and column), or a mixture."""
-    if touches_disc(box, surface.discs):
+    if touches_disc(box, surface.discs) or touches_litter(box, surface.litter):
         return _LITTERED, 0, 0
     page = surface.to_page
     left, right = page[0] * box.x0 + page[1], page[0] * box.x1 + page[1]
@@ -156,21 +178,23 @@ def _content(box: Box, surface: Surface) -> tuple[int, int, int]:
 
 
 @inlined_jit
-def _page_point(x: float, y: float, pose: Array, page: Array) -> tuple[float, float]:
+def _page_point(ray: Ray, pose: Array, surface: Surface) -> tuple[float, float]:
     """Where a ray meets the page."""
-    _, x, y = _ground_point(x, y, pose)
+    _, x, y, _ = seen_point(ray, pose, surface)
+    page = surface.to_page
     return page[0] * x + page[1], page[2] * y + page[3]
 
 
 @inlined_jit
-def _quad(pixel: Pixel, pose: Array, page: Array) -> Quad:
+def _quad(pixel: Pixel, pose: Array, surface: Surface) -> Quad:
     """A pixel's footprint on the page."""
-    ax, ay = (pixel.ux - pixel.vx) / 2, (pixel.uy - pixel.vy) / 2
-    bx, by = (pixel.ux + pixel.vx) / 2, (pixel.uy + pixel.vy) / 2
-    x0, y0 = _page_point(pixel.x - bx, pixel.y - by, pose, page)
-    x1, y1 = _page_point(pixel.x + ax, pixel.y + ay, pose, page)
-    x2, y2 = _page_point(pixel.x + bx, pixel.y + by, pose, page)
-    x3, y3 = _page_point(pixel.x - ax, pixel.y - ay, pose, page)
+    p = pixel
+    ax, ay, az = (p.ux - p.vx) / 2, (p.uy - p.vy) / 2, (p.uz - p.vz) / 2
+    bx, by, bz = (p.ux + p.vx) / 2, (p.uy + p.vy) / 2, (p.uz + p.vz) / 2
+    x0, y0 = _page_point(Ray(p.x - bx, p.y - by, p.z - bz), pose, surface)
+    x1, y1 = _page_point(Ray(p.x + ax, p.y + ay, p.z + az), pose, surface)
+    x2, y2 = _page_point(Ray(p.x + bx, p.y + by, p.z + bz), pose, surface)
+    x3, y3 = _page_point(Ray(p.x - ax, p.y - ay, p.z - az), pose, surface)
     return Quad(x0, y0, x1, y1, x2, y2, x3, y3)
 
 
@@ -178,7 +202,7 @@ def _quad(pixel: Pixel, pose: Array, page: Array) -> Quad:
 def _exact(pixel: Pixel, pose: Array, spread_mm: float, surface: Surface) -> Rgb:
     """Mean colour of a pixel at an instant: each patch by the area that it has in it."""
     xs, ys = surface.x_edges, surface.y_edges
-    quad = _quad(pixel, pose, surface.to_page)
+    quad = _quad(pixel, pose, surface)
     right = max(quad.x0, quad.x1, quad.x2, quad.x3)
     below = max(quad.y0, quad.y1, quad.y2, quad.y3)
     left = min(quad.x0, quad.x1, quad.x2, quad.x3)
@@ -204,7 +228,7 @@ def _exact(pixel: Pixel, pose: Array, spread_mm: float, surface: Surface) -> Rgb
         q += 1
     bare = 1.0 - covered
     if bare > 1e-6:
-        _, x, y = _ground_point(pixel.x, pixel.y, pose)
+        _, x, y = ground_point(_ray(pixel, 0.0, 0.0), pose)
         r, g, b = ground_color(x, y, spread_mm, surface)
         red, green, blue = red + bare * r, green + bare * g, blue + bare * b
     return red, green, blue
@@ -221,9 +245,7 @@ def _average(
         s = samples[n, 0] - 0.5
         t = samples[n, 1] - 0.5
         k = int(samples[n, 2] * poses.shape[0])
-        hit, x, y = _ground_point(
-            pixel.x + s * pixel.ux + t * pixel.vx, pixel.y + s * pixel.uy + t * pixel.vy, poses[k]
-        )
+        hit, x, y, _ = seen_point(_ray(pixel, s, t), poses[k], surface)
         if hit:
             hits += 1
             r, g, b = color_at(x, y, spread_mm, surface)
@@ -240,7 +262,7 @@ def _along_path(
     for n in range(instants):
         pose = poses[(2 * n + 1) * poses.shape[0] // (2 * instants)]
         if bare:
-            _, x, y = _ground_point(pixel.x, pixel.y, pose)
+            _, x, y = ground_point(_ray(pixel, 0.0, 0.0), pose)
             r, g, b = ground_color(x, y, spread_mm, surface)
         else:
             r, g, b = _exact(pixel, pose, spread_mm, surface)
@@ -256,7 +278,12 @@ def _shade(
     whole, box = _swept(pixel, poses, pieces)
     wide, narrow, which = _FAR_MM, _FAR_MM, 1
     if whole:
+        one = True
+        if surface.lay != FLAT:
+            one, box = _swept_on_sheet(pixel, poses, pieces, surface)
         content, q, p = _content(box, surface)
+        if not one:
+            content = _LITTERED
         if content == _PATCH:
             r, g, b = surface.patches[q, p, 0], surface.patches[q, p, 1], surface.patches[q, p, 2]
             return r, g, b, 0.0
@@ -287,10 +314,13 @@ def _pixel_at(rays: NDArray[np.float32], row: int, col: int) -> Pixel:
     return Pixel(
         rays[row + 1, col + 1, 0],
         rays[row + 1, col + 1, 1],
+        rays[row + 1, col + 1, 2],
         (rays[row + 1, col + 2, 0] - rays[row + 1, col, 0]) * 0.5,
         (rays[row + 1, col + 2, 1] - rays[row + 1, col, 1]) * 0.5,
+        (rays[row + 1, col + 2, 2] - rays[row + 1, col, 2]) * 0.5,
         (rays[row + 2, col + 1, 0] - rays[row, col + 1, 0]) * 0.5,
         (rays[row + 2, col + 1, 1] - rays[row, col + 1, 1]) * 0.5,
+        (rays[row + 2, col + 1, 2] - rays[row, col + 1, 2]) * 0.5,
     )
 
 
@@ -309,7 +339,7 @@ def shade_rows(
         poses = view.tracks[row if view.tracks.shape[0] > 1 else 0]
         for col in range(out.shape[1]):
             pixel = _pixel_at(view.rays, row, col)
-            hit, x, y = _ground_point(pixel.x, pixel.y, poses[poses.shape[0] // 2])
+            hit, x, y = ground_point(_ray(pixel, 0.0, 0.0), poses[poses.shape[0] // 2])
             if not hit:
                 # The border of one pixel between ground and sky needs no finer mixture.
                 for c in range(3):

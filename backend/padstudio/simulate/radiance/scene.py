@@ -9,7 +9,10 @@ from typing import Literal, get_args
 from padstudio.errors import SpecError
 from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
+from padstudio.simulate.radiance.fog import Fog
 from padstudio.simulate.radiance.inks import Inks, Rgb
+from padstudio.simulate.radiance.lay import Relief, Tiles
+from padstudio.simulate.radiance.litter import Litter
 
 GroundKind = Literal["grass", "gravel", "asphalt", "bricks", "concrete", "sand", "snow", "plain"]
 GROUND_KINDS: tuple[GroundKind, ...] = get_args(GroundKind)
@@ -115,6 +118,12 @@ class Scene:
         Another seed, another patch of the same ground.
     light : Light
     occluders : tuple of Occluder
+    litter : Litter or None
+        Leaves, snow or mud on the print.
+    fog : Fog or None
+    lay : Relief or Tiles or None
+        Bent paper, or many sheets laid by hand; None lies flat and whole. Poses stay relative to
+        the nominal plane.
     """
 
     pad: Pad | None
@@ -125,6 +134,9 @@ class Scene:
     ground_seed: int = 1
     light: Light = field(default_factory=Light)
     occluders: tuple[Occluder, ...] = ()
+    litter: Litter | None = None
+    fog: Fog | None = None
+    lay: Relief | Tiles | None = None
 
     def __post_init__(self) -> None:
         if self.ground not in GROUND_KINDS:

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.color import linear_from_srgb
+from padstudio.errors import SpecError
 from padstudio.pad.layout import layout
 from padstudio.simulate.radiance.ground import SIZE, TEXEL_MM, texture
+from padstudio.simulate.radiance.inks import Inks
+from padstudio.simulate.radiance.lay import Tiles
+from padstudio.simulate.radiance.litter import strewn
+from padstudio.simulate.radiance.litter_kernel import LitterShapes
 from padstudio.simulate.radiance.scene import Light, Scene
 
 # A bright, slightly blue sky.
 _SKY_SRGB = (140.0, 152.0, 176.0)
+# Beyond 700 nm leaves reflect some times what they do in the red ("red edge").
+_VEGETATION, _RED_EDGE = ("grass",), 4.0
+
+
+#: How a print lies.
+FLAT, RAISED, TILED = 0, 1, 2
 
 
 class Surface(NamedTuple):
@@ -25,6 +36,9 @@ class Surface(NamedTuple):
     page coordinates, mm; ``x_bins`` and ``y_bins`` give the patch at the start of each step of
     ``bin_mm``, ``patch_mm`` is the smallest side of one.
     ``to_page`` is (ax, bx, ay, by). ``discs`` (N, 6) are x, y, squared radius, colour.
+    ``lay`` is `FLAT`, `RAISED` with ``relief`` (R, C, 3) as of `Relief.nodes`, or `TILED` with
+    ``tiles`` (N, 8) as of `Tiles.placed`; ``half_mm`` (3,) are the print's half sides and how far
+    a relief moves its points at most.
     ``texture`` (M, 3) holds all levels of a square tile of ``texture_size`` texels, finest first,
     at ``offsets`` (L,).
     """
@@ -38,6 +52,11 @@ class Surface(NamedTuple):
     patch_mm: float
     to_page: Array
     discs: Array
+    litter: LitterShapes
+    lay: int
+    half_mm: Array
+    relief: Array
+    tiles: Array
     texture: NDArray[np.float32]
     offsets: NDArray[np.int64]
     texture_size: int
@@ -58,10 +77,14 @@ class Illumination(NamedTuple):
     shadows: Array
 
 
-def surface_of(scene: Scene) -> Surface:
-    """What lies on the ground of a scene."""
+def surface_of(scene: Scene, *, infrared: bool = False) -> Surface:
+    """What lies on the ground of a scene, in visible light or in the near infrared."""
     tile = texture(scene.ground, scene.ground_seed)
-    x, y, patches, to_page = _sheet(scene)
+    texels = tile.texels
+    if infrared and scene.ground in _VEGETATION:
+        texels = np.minimum(texels * np.float32(_RED_EDGE), np.float32(0.9))
+    inks = scene.inks.infrared() if infrared else scene.inks
+    x, y, patches, to_page = _sheet(scene, inks)
     gaps = np.concatenate([np.diff(x), np.diff(y)])
     smallest = float(gaps.min())
     # At least one bin a patch, so that a look-up takes a step or two; no more than a megabyte.
@@ -80,7 +103,9 @@ def surface_of(scene: Scene) -> Surface:
         patch_mm=smallest,
         to_page=to_page,
         discs=np.array(discs, float).reshape(-1, 6),
-        texture=tile.texels,
+        litter=strewn(scene.litter, scene.size_mm),
+        **_lay(scene, x, y, to_page),
+        texture=texels,
         offsets=tile.offsets,
         texture_size=SIZE,
         texel_mm=TEXEL_MM,
@@ -88,7 +113,33 @@ def surface_of(scene: Scene) -> Surface:
     )
 
 
-def _sheet(scene: Scene) -> tuple[Array, Array, NDArray[np.float32], Array]:
+def half_sides_mm(scene: Scene) -> tuple[float, float]:
+    """Half sides of what is printed, with its margin; raises `SpecError` on bare ground."""
+    if scene.size_mm is None:
+        raise SpecError("the scene has no print")
+    x, y, _, to_page = _sheet(scene, scene.inks)
+    return float(x[-1] / 2 / to_page[0]), float(y[-1] / 2 / -to_page[2])
+
+
+def _lay(scene: Scene, x: Array, y: Array, to_page: Array) -> dict[str, Any]:
+    """How the print lies: ``lay``, ``half_mm``, ``relief`` and ``tiles`` of the surface."""
+    half_x, half_y = x[-1] / 2 / to_page[0], y[-1] / 2 / -to_page[2]
+    fields: dict[str, Any] = {
+        "lay": FLAT,
+        "half_mm": np.array([half_x, half_y, 0.0]),
+        "relief": np.zeros((1, 1, 3)),
+        "tiles": np.zeros((0, 8)),
+    }
+    if scene.size_mm is None or scene.lay is None:
+        return fields
+    if isinstance(scene.lay, Tiles):
+        return fields | {"lay": TILED, "tiles": scene.lay.placed(half_x, half_y)}
+    nodes = scene.lay.nodes(half_x, half_y)
+    fields["half_mm"][2] = np.abs(nodes).max()
+    return fields | {"lay": RAISED, "relief": nodes}
+
+
+def _sheet(scene: Scene, inks: Inks) -> tuple[Array, Array, NDArray[np.float32], Array]:
     """Edges and colours of the sheet with its margin, and the way to it from the pad frame."""
     pad = scene.pad
     plan = scene.sheet if pad is None else layout(pad)
@@ -99,9 +150,9 @@ def _sheet(scene: Scene) -> tuple[Array, Array, NDArray[np.float32], Array]:
     own = float(plan.x_mm[0])
     quiet = own if scene.quiet_mm is None else scene.quiet_mm
     x, y = plan.x_mm - own + quiet, plan.y_mm - own + quiet
-    colors = scene.inks.reflectance(plan.colors)
+    colors = inks.reflectance(plan.colors)
     if quiet > 0:
-        white = scene.inks.reflectance(np.full(3, 255, np.uint8))
+        white = inks.reflectance(np.full(3, 255, np.uint8))
         framed = np.empty((colors.shape[0] + 2, colors.shape[1] + 2, 3), np.float32)
         framed[:] = white
         framed[1:-1, 1:-1] = colors

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import inlined_jit
+from padstudio.simulate.radiance.litter_kernel import litter_at
 from padstudio.simulate.radiance.surface import Illumination, Surface
 
 Rgb = tuple[float, float, float]
@@ -122,10 +123,14 @@ def light_at(x: float, y: float, light: Illumination) -> float:
 
 @inlined_jit
 def color_at(x: float, y: float, spread_mm: float, surface: Surface) -> Rgb:
-    """Colour of what lies at a ground point: a disc, else the sheet, else the ground."""
+    """Colour at a ground point: of a disc, else litter, else the sheet, else the ground."""
     k = _disc_at(x, y, surface.discs)
     if k >= 0:
         return surface.discs[k, 3], surface.discs[k, 4], surface.discs[k, 5]
+    k = litter_at(x, y, surface.litter)
+    if k >= 0:
+        shapes = surface.litter.shapes
+        return shapes[k, 7], shapes[k, 8], shapes[k, 9]
     q, p = patch_at(x, y, surface)
     if p >= 0:
         return surface.patches[q, p, 0], surface.patches[q, p, 1], surface.patches[q, p, 2]
