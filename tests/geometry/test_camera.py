@@ -43,6 +43,46 @@ def test_lenses_are_opencvs(camera):
     np.testing.assert_allclose(plain, pixels, atol=1e-9)
 
 
+@pytest.mark.parametrize("camera", LENSES.values(), ids=LENSES)
+def test_sharpness_is_how_far_a_pixel_is_from_the_next_outward(camera):
+    rng = np.random.default_rng(3)
+    pixels = rng.uniform((0, 0), (1279, 959), (40, 2))
+    rays = camera.normalize(pixels)
+    sharp = camera.sharpness(pixels, rays)
+    if not camera.distorted:
+        np.testing.assert_allclose(sharp, 1, atol=1e-12)
+    elif not camera.distortion.any():
+        squared_cosine = 1 / (1 + (rays**2).sum(axis=1))
+        np.testing.assert_allclose(sharp, squared_cosine, rtol=0.02)
+    outward = rays + 1e-3 * rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    moved = np.linalg.norm(camera.denormalize(outward) - pixels, axis=1)
+    np.testing.assert_allclose(sharp, moved / 1e-3 / camera.focal_px, rtol=0.02)
+
+
+def test_every_pixel_of_a_narrow_lens_has_a_ray():
+    x, y = np.meshgrid(np.linspace(0, 1279, 15), np.linspace(0, 959, 12))
+    pixels = np.stack([x.ravel(), y.ravel()], axis=1)
+    for camera in LENSES.values():
+        assert camera.has_ray(pixels, camera.normalize(pixels)).all()
+
+
+def test_pixels_to_the_side_and_beyond_have_no_ray():
+    camera = LENSES["fisheye without coefficients"]
+    angles = np.radians([0, 40, 84, 86, 90, 110])
+    pixels = np.column_stack([652.3 + 880 * angles, np.full(6, 471.8)])
+    seen = camera.has_ray(pixels, camera.normalize(pixels))
+    np.testing.assert_array_equal(seen, [True, True, True, False, False, False])
+
+
+def test_pixels_beyond_where_a_polynomial_turns_back_have_no_ray():
+    """r (1 − 0.5 r²) is at most 0.544, at r = 0.816."""
+    camera = Camera(1280, 960, K, [-0.5, 0, 0, 0])
+    radii = np.array([0.2, 0.5, 0.54, 0.56, 0.7])
+    pixels = np.column_stack([652.3 + 880 * radii, np.full(5, 471.8)])
+    seen = camera.has_ray(pixels, camera.normalize(pixels))
+    np.testing.assert_array_equal(seen, [True, True, True, False, False])
+
+
 def test_a_point_behind_the_camera_has_no_picture():
     for camera in LENSES.values():
         seen = camera.project([[10, 20, 700], [10, 20, -700], [10, 20, 0]])

@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError, CameraMismatchError
@@ -20,6 +20,9 @@ from padstudio.geometry.projection import Lens, LensModel
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
 # Two aspect ratios count as one when they differ by less than one pixel row in a thousand.
 _ASPECT_TOLERANCE = 2e-3
+# Rays are measured on up to 85 degrees from the axis: beyond, a pixel spans more of the plane z = 1
+# than all pixels within. A pixel whose ray leads back to within this of it, pixels, has that ray.
+_WIDEST, _SAME_PX = 11.43, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +204,49 @@ class Camera:
         y = (points[:, 1] - self.matrix[1, 2]) / self.matrix[1, 1]
         x = (points[:, 0] - self.matrix[0, 2] - self.matrix[0, 1] * y) / self.matrix[0, 0]
         return np.stack([x, y], axis=1)
+
+    def has_ray(self, pixels: Array, normalized: Array) -> NDArray[np.bool_]:
+        """Which pixels (N, 2) the lens model takes to one ray of the plane z = 1, (N,).
+
+        False where a fisheye looks sideways or backwards, where the lens's polynomial has turned
+        back, and beyond a fisheye's picture; True everywhere for an ideal lens. Only such pixels
+        may be measured on.
+
+        Parameters
+        ----------
+        pixels : (N, 2) float64
+        normalized : (N, 2) float64
+            As `normalize` gives for them.
+        """
+        if not self.distorted:
+            return np.ones(len(pixels), bool)
+        with np.errstate(invalid="ignore"):
+            ahead = np.hypot(normalized[:, 0], normalized[:, 1]) < _WIDEST
+            back = np.abs(self.denormalize(normalized) - pixels).max(axis=1) < _SAME_PX
+        return np.asarray(ahead & back)
+
+    def sharpness(self, pixels: Array, normalized: Array) -> Array:
+        """How finely the lens shows the plane z = 1 at pixels (N, 2), (N,); 1 for an ideal lens.
+
+        Parameters
+        ----------
+        pixels : (N, 2) float64
+        normalized : (N, 2) float64
+            As `normalize` gives for them.
+
+        Returns
+        -------
+        (N,) float64
+            Pixels outward for a step of 1 on the plane, over the focal length: the squared cosine
+            of the angle to the axis, for an equidistant fisheye.
+        """
+        if not self.distorted:
+            return np.ones(len(pixels))
+        outward = pixels - self.matrix[:2, 2]
+        outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
+        # Inward, so that the last pixel with a ray has one as well.
+        step = np.linalg.norm(normalized - self.normalize(pixels - outward), axis=1)
+        return np.asarray(1 / (self.focal_px * np.maximum(step, 1e-12)))
 
     def denormalize(self, normalized: ArrayLike) -> Array:
         """Distort normalized coordinates to pixels; the inverse of `normalize`.

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from padstudio.arrays import Array
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import LayerFit, RefinedPose
+from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.search import Sighting
 
 # Below this ratio of the two planar poses' errors the first one is beyond doubt.
@@ -24,13 +26,17 @@ _BETTER = 0.85
 _BETTER_MATCH = 0.97
 # The lattice's part in view is told by so many crossings a side.
 _CROSSINGS = 5
+# None of them lies farther from the axis than this on the plane z = 1, 72 degrees: there a wide
+# lens's lattice is drawn by few edges.
+_WIDEST = 3.0
+# The part is halved about the lattice's origin until that holds, so far at the most.
+_LEAST_PART = 0.1
 
 
 def first_poses(pad: Pad, sighting: Sighting) -> list[MovingPose]:
     """The pose of the sighted lattice; both planar answers where they are near each other."""
     lattice, placement = sighting.lattice, sighting.placement
-    columns, rows = (np.linspace(*ends, _CROSSINGS) for ends in (lattice.columns, lattice.rows))
-    here = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    here = _crossings(lattice)
     there = np.column_stack([here, np.ones(len(here))]) @ placement.pad_from_lattice.T
     planar = planar_pose(lattice_mm(pad, placement.layer, there), lattice.to_rays(here))
     if planar is None:
@@ -38,6 +44,23 @@ def first_poses(pad: Pad, sighting: Sighting) -> list[MovingPose]:
     if planar.other is None or planar.ambiguity < _CLEAR:
         return [MovingPose(planar.pose)]
     return [MovingPose(planar.pose), MovingPose(planar.other)]
+
+
+def _crossings(lattice: Lattice) -> Array:
+    """Lattice coordinates (N, 2) all over the part in view that lies well before the camera."""
+    size = 1.0
+    while True:
+        columns, rows = (
+            np.linspace(size * first, size * last, _CROSSINGS)
+            for first, last in (lattice.columns, lattice.rows)
+        )
+        here = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        # The lattice was grown from its coordinates (0, 0), which the camera sees.
+        middle, depth = (lattice.depth(at) for at in (np.zeros((1, 2)), here))
+        ahead = (depth * middle > 0).all()
+        if size < _LEAST_PART or (ahead and np.abs(lattice.to_rays(here)).max() < _WIDEST):
+            return here
+        size /= 2
 
 
 def refine_best(refiner: Refiner, starts: list[MovingPose], good_mm: float) -> RefinedPose | None:

@@ -114,7 +114,7 @@ def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8]
     weights = np.zeros((2, 3))
     weights[0, unused], weights[1] = 1 / len(unused), 1
     part, total = cv2.split(cv2.transform(blurred, weights))
-    share = np.asarray(part / (total + _DARK))
+    share = np.asarray((part + _DARK / 3) / (total + _DARK))
     low = float(np.partition(share, _LEAST_AREA, axis=None)[_LEAST_AREA])
     high = float(np.percentile(share, _GROUND))
     if high - low < 2 * _LEAST_SEPARATION:

@@ -139,9 +139,11 @@ def fit_pose(
         return None
     prior = MotionPrior.of(start, model)
     begin = start if model.moving else MovingPose(start.pose)
-    borders, xy, weight = edge_points.borders, edge_points.xy, edge_points.weight
+    borders, xy, rays = edge_points.borders, edge_points.xy, camera.normalize(edge_points.xy)
+    # A pixel at a wide lens's rim is a long way on the plane z = 1, and errs by as much.
+    weight = edge_points.weight * camera.sharpness(xy, rays) ** 2
     row_time = row_times(camera, xy[:, 1])
-    seen = Sightings(borders.points_mm, borders.along_mm, camera.normalize(xy), row_time, weight)
+    seen = Sightings(borders.points_mm, borders.along_mm, rays, row_time, weight)
     found = least_squares_kernel.fit(
         seen, begin.state, prior.weight, prior.expected, camera.focal_px, iterations
     )

@@ -93,8 +93,9 @@ def find_edges(plane: Plane, camera: Camera, params: SearchParams) -> EdgeSet:
     local = np.stack([x + shift * along_x, y + shift * ~along_x], axis=1).astype(float)
     tangent = np.stack([-gy[y, x], gx[y, x]], axis=1).astype(float) / here[:, None]
     xy = plane.to_frame(local)
-    rays, lines = _tangent_planes(camera, xy, tangent * plane.pixel)
-    return EdgeSet(xy, rays, lines, here.astype(float), plane)
+    rays, lines, seen = _tangent_planes(camera, xy, tangent * plane.pixel)
+    edges = EdgeSet(xy, rays, lines, here.astype(float), plane)
+    return edges if seen.all() else edges.take(seen)
 
 
 def _peaks(
@@ -116,10 +117,15 @@ def _peaks(
     return y[keep], x[keep], along_x[keep]
 
 
-def _tangent_planes(camera: Camera, xy: Array, tangent: Array) -> tuple[Array, Array]:
-    ends = camera.normalize(np.concatenate([xy - tangent, xy + tangent]))
-    a = np.column_stack([ends[: len(xy)], np.ones(len(xy))])
-    b = np.column_stack([ends[len(xy) :], np.ones(len(xy))])
+def _tangent_planes(
+    camera: Camera, xy: Array, tangent: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Rays and interpretation planes of edges, and which edges the lens has a ray for."""
+    ends = np.concatenate([xy - tangent, xy + tangent])
+    rays = camera.normalize(ends)
+    seen = camera.has_ray(ends, rays)
+    both = seen[: len(xy)] & seen[len(xy) :]
+    a, b = np.column_stack([rays, np.ones(len(rays))]).reshape(2, -1, 3)
     lines = cross(a, b)
     lines /= np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), 1e-12)
-    return (a + b) / 2, lines
+    return (a + b) / 2, lines, both

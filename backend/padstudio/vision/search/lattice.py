@@ -71,6 +71,11 @@ class Lattice:
         h = np.column_stack([coordinates, np.ones(len(coordinates))]) @ self.ray_from_lattice.T
         return np.asarray(h[:, :2] / h[:, 2:], float)
 
+    def depth(self, coordinates: Array) -> Array:
+        """Depths (N,) of lattice coordinates (N, 2) along the camera's axis, up to one factor."""
+        last = self.ray_from_lattice[2]
+        return np.asarray(coordinates @ last[:2] + last[2], float)
+
     def widened(self) -> Lattice:
         """The lattice carried on by its own width and height on every side."""
         wide, high = self.columns[1] - self.columns[0], self.rows[1] - self.rows[0]
