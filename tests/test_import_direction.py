@@ -32,6 +32,7 @@ ORDER = (
     "render/painters",
     "render/pdf",
     "render",
+    "simulate/lay",
     "simulate/radiance",
     "simulate",
     "vision/stage",

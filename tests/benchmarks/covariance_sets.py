@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from padstudio import Camera, Pad
 from padstudio.geometry.pose import Pose
+from padstudio.simulate.lay.relief import Fold, Relief, Wave
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.trajectories import Flight, FlightKind, FlightSpec, Setup, plan
@@ -45,6 +46,8 @@ class Trial:
     sway : float
     vibrating : bool
         At one or two frequencies of 50 … 150 Hz, by 0.05 … 0.2 degrees.
+    warped : bool
+        On paper with waves and a fold; the truth is relative to the nominal plane.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Trial:
     heights_mm: tuple[float, ...] = _HEIGHTS_MM
     sway: float = 1.0
     vibrating: bool = False
+    warped: bool = False
 
 
 def _both(name: str, kind: FlightKind, imaging: Imaging, **more: object) -> tuple[Trial, ...]:
@@ -76,6 +80,14 @@ TRIALS = (
     *_both("vibrating hover, rolling", "hover", _ROLLING, vibrating=True),
     *_both("vibrating landing, global", "landing", _QUICK_GLOBAL, vibrating=True),
     Trial(name="far, 60 … 8 m, stills", kind="descent", imaging=_AT_REST, stills_mm=(60_000, 8000)),
+    Trial(
+        name="warped, 4 m … 150 mm, stills",
+        kind="descent",
+        imaging=_AT_REST,
+        stills_mm=(4000, 150),
+        warped=True,
+    ),
+    *_both("warped landing, rolling", "landing", _ROLLING, warped=True),
     *_both("far, 60 … 8 m, rolling", "landing", _ROLLING, heights_mm=_FAR_MM),
 )
 
@@ -85,9 +97,9 @@ def frames_of(
 ) -> Iterator[tuple[NDArray[np.uint8], Pose]]:
     """The pictures of a flight and their true poses."""
     flight = _flight(trial, frames, seed)
-    setup = Setup(
-        scene=Scene(pad=pad, ground="gravel"), camera=camera, imaging=trial.imaging, seed=seed
-    )
+    lay = _warp(seed) if trial.warped else None
+    scene = Scene(pad=pad, ground="gravel", lay=lay)
+    setup = Setup(scene=scene, camera=camera, imaging=trial.imaging, seed=seed)
     for frame in flight.frames(setup):
         yield frame.image, frame.truth.pose
 
@@ -122,3 +134,22 @@ def _vibrations(seed: int) -> tuple[Vibration, ...]:
         Vibration.drawn(rng, float(rng.uniform(50, 150)), float(rng.uniform(0.05, 0.2)))
         for _ in range(1 + int(rng.integers(2)))
     )
+
+
+def _warp(seed: int) -> Relief:
+    """Waves of 0.5 … 3 mm and a fold of 2 … 8 mm."""
+    rng = np.random.default_rng([seed, *b"warped"])
+    wave = Wave(
+        amplitude_mm=float(rng.uniform(0.5, 3)),
+        length_mm=float(rng.uniform(150, 500)),
+        toward_deg=float(rng.uniform(0, 180)),
+        phase_deg=float(rng.uniform(0, 360)),
+    )
+    fold = Fold(
+        height_mm=float(rng.uniform(2, 8)),
+        reach_mm=float(rng.uniform(40, 120)),
+        toward_deg=float(rng.choice([0.0, 90.0])),
+        offset_mm=float(rng.uniform(-200, 200)),
+        radius_mm=10.0,
+    )
+    return Relief((wave, fold))

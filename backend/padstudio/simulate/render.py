@@ -13,12 +13,12 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import corners_mm
 from padstudio.pad.spec import Channel, Pad
+from padstudio.simulate.lay.fit import best_fit, laid
 from padstudio.simulate.motion import Course, Motion, course
 from padstudio.simulate.radiance.integrate import radiance
-from padstudio.simulate.radiance.lay import best_fit, laid
 from padstudio.simulate.radiance.lens import border_rays, check_lens, pixels_of_points
 from padstudio.simulate.radiance.scene import Scene
-from padstudio.simulate.radiance.surface import half_sides_mm
+from padstudio.simulate.radiance.sheet import half_sides_mm
 from padstudio.simulate.sensor import Imaging, encode_jpeg, expose
 
 # Nearer, the lens itself would touch the ground.

@@ -9,9 +9,10 @@ from typing import Literal, get_args
 from padstudio.errors import SpecError
 from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
+from padstudio.simulate.lay.relief import Relief
+from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.radiance.fog import Fog
 from padstudio.simulate.radiance.inks import Inks, Rgb
-from padstudio.simulate.radiance.lay import Relief, Tiles
 from padstudio.simulate.radiance.litter import Litter
 
 GroundKind = Literal["grass", "gravel", "asphalt", "bricks", "concrete", "sand", "snow", "plain"]
@@ -73,6 +74,29 @@ class Occluder:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Neighbour:
+    """Another pad on the same ground, in the same inks and with the scene's margin.
+
+    Attributes
+    ----------
+    pad : Pad
+    x_mm, y_mm : float
+        Where its centre lies, pad frame of the scene's own pad.
+    turn_deg : float
+        Its heading: where its +Y points, clockwise from +Y.
+    """
+
+    pad: Pad
+    x_mm: float
+    y_mm: float
+    turn_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(value) for value in (self.x_mm, self.y_mm, self.turn_deg)):
+            raise SpecError("a neighbour's place and turn must be finite")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Light:
     """The light on the ground.
 
@@ -124,6 +148,8 @@ class Scene:
     lay : Relief or Tiles or None
         Bent paper, or many sheets laid by hand; None lies flat and whole. Poses stay relative to
         the nominal plane.
+    neighbours : tuple of Neighbour
+        Other pads, or copies of the same; what overlaps them is the scene's own pad.
     """
 
     pad: Pad | None
@@ -137,6 +163,7 @@ class Scene:
     litter: Litter | None = None
     fog: Fog | None = None
     lay: Relief | Tiles | None = None
+    neighbours: tuple[Neighbour, ...] = ()
 
     def __post_init__(self) -> None:
         if self.ground not in GROUND_KINDS:
@@ -145,6 +172,8 @@ class Scene:
             raise SpecError("a scene has a pad or another sheet, not both")
         if self.quiet_mm is not None and not 0 <= self.quiet_mm <= 10_000:
             raise SpecError(f"quiet_mm is {self.quiet_mm}; it must be 0 … 10000")
+        if self.neighbours and (self.pad is None or isinstance(self.lay, Relief)):
+            raise SpecError("pads may lie beside a pad that is flat, not beside bare or bent ones")
 
     @property
     def size_mm(self) -> tuple[float, float] | None:

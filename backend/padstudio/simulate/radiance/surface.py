@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.color import linear_from_srgb
-from padstudio.errors import SpecError
-from padstudio.pad.layout import layout
+from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.radiance.ground import SIZE, TEXEL_MM, texture
-from padstudio.simulate.radiance.inks import Inks
-from padstudio.simulate.radiance.lay import Tiles
 from padstudio.simulate.radiance.litter import strewn
 from padstudio.simulate.radiance.litter_kernel import LitterShapes
 from padstudio.simulate.radiance.scene import Light, Scene
+from padstudio.simulate.radiance.sheet import Page, bins, page_of
 
 # A bright, slightly blue sky.
 _SKY_SRGB = (140.0, 152.0, 176.0)
@@ -84,9 +82,9 @@ def surface_of(scene: Scene, *, infrared: bool = False) -> Surface:
     if infrared and scene.ground in _VEGETATION:
         texels = np.minimum(texels * np.float32(_RED_EDGE), np.float32(0.9))
     inks = scene.inks.infrared() if infrared else scene.inks
-    x, y, patches, to_page = _sheet(scene, inks)
-    gaps = np.concatenate([np.diff(x), np.diff(y)])
-    smallest = float(gaps.min())
+    page = page_of(scene, inks)
+    x, y = page.x_edges, page.y_edges
+    smallest = page.patch_mm
     # At least one bin a patch, so that a look-up takes a step or two; no more than a megabyte.
     bin_mm = max(smallest, max(x[-1], y[-1]) / 100_000)
     discs = [
@@ -94,17 +92,17 @@ def surface_of(scene: Scene, *, infrared: bool = False) -> Surface:
         for o in scene.occluders
     ]
     return Surface(
-        patches=patches,
+        patches=page.patches,
         x_edges=x,
         y_edges=y,
-        x_bins=_bins(x, bin_mm),
-        y_bins=_bins(y, bin_mm),
+        x_bins=bins(x, bin_mm),
+        y_bins=bins(y, bin_mm),
         bin_mm=bin_mm,
         patch_mm=smallest,
-        to_page=to_page,
+        to_page=page.to_page,
         discs=np.array(discs, float).reshape(-1, 6),
         litter=strewn(scene.litter, scene.size_mm),
-        **_lay(scene, x, y, to_page),
+        **_lay(scene, page),
         texture=texels,
         offsets=tile.offsets,
         texture_size=SIZE,
@@ -113,61 +111,26 @@ def surface_of(scene: Scene, *, infrared: bool = False) -> Surface:
     )
 
 
-def half_sides_mm(scene: Scene) -> tuple[float, float]:
-    """Half sides of what is printed, with its margin; raises `SpecError` on bare ground."""
-    if scene.size_mm is None:
-        raise SpecError("the scene has no print")
-    x, y, _, to_page = _sheet(scene, scene.inks)
-    return float(x[-1] / 2 / to_page[0]), float(y[-1] / 2 / -to_page[2])
-
-
-def _lay(scene: Scene, x: Array, y: Array, to_page: Array) -> dict[str, Any]:
+def _lay(scene: Scene, page: Page) -> dict[str, Any]:
     """How the print lies: ``lay``, ``half_mm``, ``relief`` and ``tiles`` of the surface."""
-    half_x, half_y = x[-1] / 2 / to_page[0], y[-1] / 2 / -to_page[2]
+    half_x, half_y = page.half_mm
     fields: dict[str, Any] = {
         "lay": FLAT,
         "half_mm": np.array([half_x, half_y, 0.0]),
         "relief": np.zeros((1, 1, 3)),
         "tiles": np.zeros((0, 8)),
     }
-    if scene.size_mm is None or scene.lay is None:
+    if scene.size_mm is None:
         return fields
-    if isinstance(scene.lay, Tiles):
-        return fields | {"lay": TILED, "tiles": scene.lay.placed(half_x, half_y)}
+    if isinstance(scene.lay, Tiles) or len(page.beside):
+        lay = scene.lay if isinstance(scene.lay, Tiles) else Tiles(columns=1, rows=1)
+        tiles = np.concatenate([page.beside, lay.placed(half_x, half_y)])
+        return fields | {"lay": TILED, "tiles": tiles}
+    if scene.lay is None:
+        return fields
     nodes = scene.lay.nodes(half_x, half_y)
     fields["half_mm"][2] = np.abs(nodes).max()
     return fields | {"lay": RAISED, "relief": nodes}
-
-
-def _sheet(scene: Scene, inks: Inks) -> tuple[Array, Array, NDArray[np.float32], Array]:
-    """Edges and colours of the sheet with its margin, and the way to it from the pad frame."""
-    pad = scene.pad
-    plan = scene.sheet if pad is None else layout(pad)
-    if plan is None:
-        # A sheet of no breadth far away: the ground is bare.
-        edges = np.array([0.0, 1e-3])
-        return edges, edges, np.zeros((1, 1, 3), np.float32), np.array([1.0, 1e9, -1.0, 1e9])
-    own = float(plan.x_mm[0])
-    quiet = own if scene.quiet_mm is None else scene.quiet_mm
-    x, y = plan.x_mm - own + quiet, plan.y_mm - own + quiet
-    colors = inks.reflectance(plan.colors)
-    if quiet > 0:
-        white = inks.reflectance(np.full(3, 255, np.uint8))
-        framed = np.empty((colors.shape[0] + 2, colors.shape[1] + 2, 3), np.float32)
-        framed[:] = white
-        framed[1:-1, 1:-1] = colors
-        colors = framed
-        x = np.concatenate([[0.0], x, [x[-1] + quiet]])
-        y = np.concatenate([[0.0], y, [y[-1] + quiet]])
-    sx, sy = (1.0, 1.0) if pad is None else pad.scale
-    to_page = np.array([1 / sx, x[-1] / 2, -1 / sy, y[-1] / 2])
-    return np.ascontiguousarray(x), np.ascontiguousarray(y), colors, to_page
-
-
-def _bins(edges: Array, bin_mm: float) -> NDArray[np.int32]:
-    starts = np.arange(0.0, edges[-1], bin_mm)
-    index = np.searchsorted(edges, starts, side="right") - 1
-    return np.clip(index, 0, len(edges) - 2).astype(np.int32)
 
 
 def illumination_of(light: Light) -> Illumination:

@@ -11,8 +11,10 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad, rotation_angle_deg
 from padstudio.pad.layout import corners_mm
 from padstudio.pad.spec import Layer, Pad
+from padstudio.simulate.lay.fit import laid
+from padstudio.simulate.lay.relief import Fold, Lift, Relief, Wave
+from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.radiance.inks import Inks
-from padstudio.simulate.radiance.lay import Fold, Lift, Relief, Tiles, Wave, laid
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging

@@ -1,4 +1,4 @@
-"""How a print lies: bent paper, and prints of many sheets that are not laid exactly."""
+"""Bent paper: a smooth height field over the nominal plane."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.errors import SpecError
-from padstudio.geometry.pose import Pose
 
 #: Steeper paper could hide parts of itself, which the simulator does not look for.
 STEEPEST = 0.5
-# Nodes of a relief along each side: of a pad of 1.25 m one in 2.4 mm.
-_NODES = 513
+#: Nodes of a relief along each side: of a pad of 1.25 m one in 2.4 mm.
+NODES = 513
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,10 +145,10 @@ class Relief:
         SpecError
             If the paper is steeper than `STEEPEST` somewhere.
         """
-        x = np.linspace(-half_x, half_x, _NODES)[None, :]
-        y = np.linspace(-half_y, half_y, _NODES)[:, None]
-        out = np.zeros((_NODES, _NODES, 3))
-        slopes = np.zeros((_NODES, _NODES, 2))
+        x = np.linspace(-half_x, half_x, NODES)[None, :]
+        y = np.linspace(-half_y, half_y, NODES)[:, None]
+        out = np.zeros((NODES, NODES, 3))
+        slopes = np.zeros((NODES, NODES, 2))
         fine = np.linspace(-1.5, 1.5, 24_001) * math.hypot(half_x, half_y)
         for bend in self.bends:
             toward = math.radians(bend.toward_deg)
@@ -165,146 +164,6 @@ class Relief:
             slopes += np.interp(along, fine, slope)[..., None] * np.array([east, north])
         _check_slope(float(np.linalg.norm(slopes, axis=-1).max()))
         return out
-
-
-@dataclass(frozen=True, kw_only=True)
-class Tiles:
-    """A print of many sheets of equal size, laid side by side by hand.
-
-    Attributes
-    ----------
-    columns, rows : int
-        1 … 40 each.
-    gap_mm : float
-        Between neighbours, on the whole; below 0 they overlap.
-    offset_mm : float
-        Each sheet lies up to so much off its place, in x and in y.
-    turn_deg : float
-        Each sheet is turned by up to so much.
-    swaps : int
-        So many pairs of sheets are exchanged.
-    seed : int
-    """
-
-    columns: int
-    rows: int
-    gap_mm: float = 0.0
-    offset_mm: float = 0.0
-    turn_deg: float = 0.0
-    swaps: int = 0
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        for name, low, high in _TILE_RANGES:
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise SpecError(f"{name} is {value}; it must lie within {low} … {high}")
-        if 2 * self.swaps > self.columns * self.rows:
-            raise SpecError(
-                f"{self.swaps} pairs of sheets are to be exchanged, of {self.columns * self.rows} "
-                "sheets; give fewer"
-            )
-
-    def placed(self, half_x: float, half_y: float) -> Array:
-        """Where the sheets of a print with these half sides lie.
-
-        Returns
-        -------
-        (N, 8) float64
-            Centre, cosine and sine of the turn, half sides, centre on the whole print; mm.
-        """
-        rng = np.random.default_rng([self.seed, *b"tiles"])
-        side_x, side_y = half_x / self.columns, half_y / self.rows
-        column, row = np.meshgrid(np.arange(self.columns), np.arange(self.rows))
-        across = (column - (self.columns - 1) / 2).ravel()
-        up = (row - (self.rows - 1) / 2).ravel()
-        count = len(across)
-        offset = rng.uniform(-self.offset_mm, self.offset_mm, (count, 2))
-        turn = np.radians(rng.uniform(-self.turn_deg, self.turn_deg, count))
-        shown = np.arange(count)
-        pairs = rng.permutation(count)[: 2 * self.swaps].reshape(-1, 2)
-        shown[pairs] = pairs[:, ::-1]
-        return np.stack(
-            [
-                across * (2 * side_x + self.gap_mm) + offset[:, 0],
-                up * (2 * side_y + self.gap_mm) + offset[:, 1],
-                np.cos(turn),
-                np.sin(turn),
-                np.full(count, side_x),
-                np.full(count, side_y),
-                across[shown] * 2 * side_x,
-                up[shown] * 2 * side_y,
-            ],
-            axis=1,
-        )
-
-
-_TILE_RANGES = (
-    ("columns", 1, 40),
-    ("rows", 1, 40),
-    ("gap_mm", -20.0, 100.0),
-    ("offset_mm", 0.0, 50.0),
-    ("turn_deg", 0.0, 10.0),
-    ("swaps", 0, 800),
-)
-
-
-def best_fit(lay: Relief | Tiles, half_mm: tuple[float, float], pose: Pose) -> Pose:
-    """The pose relative to the plane that fits a print best, rather than to the nominal one.
-
-    The rigid motion from the flat print to the print as it lies, by least squares over its whole
-    area (Umeyama 1991, doi:10.1109/34.88573, without scale).
-
-    Parameters
-    ----------
-    lay : Relief or Tiles
-    half_mm : (x, y)
-        Half sides of the print.
-    pose : Pose
-        Relative to the nominal plane.
-    """
-    flat, bent = _points(lay, half_mm)
-    middle, there = flat.mean(axis=0), bent.mean(axis=0)
-    u, _, vt = np.linalg.svd((bent - there).T @ (flat - middle))
-    turn = u @ np.diag([1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
-    shift = there - turn @ middle
-    return Pose(turn.T @ (pose.position_mm - shift), turn.T @ pose.rotation)
-
-
-def laid(lay: Relief | Tiles, half_mm: tuple[float, float], points: Array) -> Array:
-    """Where points of the flat print (N, 2) lie, (N, 3), mm, pad frame.
-
-    Raises
-    ------
-    SpecError
-        As `Relief.nodes`.
-    """
-    half = np.array(half_mm)
-    if isinstance(lay, Relief):
-        nodes = lay.nodes(*half_mm)
-        at = np.clip((points / half + 1) / 2, 0, 1) * (_NODES - 1)
-        first = np.minimum(at.astype(int), _NODES - 2)
-        f, g = (at - first).T[:, :, None]
-        c, r = first.T
-        below = (1 - f) * nodes[r, c] + f * nodes[r, c + 1]
-        above = (1 - f) * nodes[r + 1, c] + f * nodes[r + 1, c + 1]
-        flat = np.column_stack([points, np.zeros(len(points))])
-        return np.asarray(flat + (1 - g) * below + g * above, float)
-    tiles = lay.placed(*half_mm)
-    away = np.abs(points[:, None, :] - tiles[None, :, 6:8]) - tiles[None, :, 4:6]
-    mine = tiles[np.argmin(away.max(axis=-1), axis=1)]
-    u, v = (points - mine[:, 6:8]).T
-    x = mine[:, 0] + mine[:, 2] * u - mine[:, 3] * v
-    y = mine[:, 1] + mine[:, 3] * u + mine[:, 2] * v
-    return np.stack([x, y, np.zeros(len(points))], axis=1)
-
-
-def _points(lay: Relief | Tiles, half_mm: tuple[float, float]) -> tuple[Array, Array]:
-    """(N, 3) points all over the flat print, and where they lie."""
-    # Off the seams of any tiling.
-    x, y = (half * (np.arange(81) - 40) / 40.37 for half in half_mm)
-    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    return np.column_stack([points, np.zeros(len(points))]), laid(lay, half_mm, points)
 
 
 def _check_slope(steepest: float) -> None:

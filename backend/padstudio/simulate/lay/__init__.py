@@ -1,0 +1,1 @@
+"""How a print lies on the ground: bent paper, and sheets laid side by side."""
