@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -58,8 +58,7 @@ def read_frames(
     rotation_deg: int = 0,
     is_counted: bool = False,
     max_pixels: int = MAX_PIXELS,
-    pause: Callable[[], object] = lambda: None,
-) -> Iterator[VideoPicture]:
+) -> Generator[VideoPicture]:
     """Decode frames of a video by their timestamps.
 
     Decoding starts at the keyframe at or before the first of them, so that frames are the same to
@@ -76,8 +75,6 @@ def read_frames(
     is_counted : bool
         As of `VideoIndex`.
     max_pixels : int
-    pause : callable
-        Called with every frame that is decoded, also between those asked for.
 
     Yields
     ------
@@ -95,7 +92,6 @@ def read_frames(
     place, is_damaged = 0, False
     numbered = _counted if is_counted else _timed
     for at, frame in numbered(source, wanted[0], max_pixels):
-        pause()
         is_damaged = bool(frame.is_corrupt or (is_damaged and not frame.key_frame))
         while place < len(wanted) and wanted[place] < at:
             yield VideoPicture(wanted[place], None)

@@ -58,6 +58,19 @@ def test_chunks_are_shorter_where_frames_between_are_decoded_too(video: Path) ->
     assert [(chunk.first_frame, chunk.frames) for chunk in found.chunks] == [(0, 10), (50, 10)]
 
 
+def test_chunks_become_shorter_toward_the_end(tmp_path: Path) -> None:
+    long = videos.write(tmp_path / "long.mp4", 600)
+    found = plan(long, chunk_frames=120)
+    sizes = [chunk.frames for chunk in found.chunks]
+    assert numbers(found) == list(range(600))
+    assert sizes == sorted(sizes, reverse=True)
+    # A worker that takes the last chunk keeps others waiting for that one at the most.
+    assert sizes[0] >= 70
+    assert sizes[-1] <= 30
+    behind = [sum(sizes[place:]) for place in range(len(sizes))]
+    assert all(size <= max(30, left / 4) + 10 for size, left in zip(sizes, behind, strict=True))
+
+
 def test_videos_follow_each_other_in_frames_and_time(video: Path) -> None:
     found = plan(video, video)
     assert numbers(found) == list(range(200))

@@ -6,9 +6,10 @@ where it runs.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +20,7 @@ from padstudio.arrays import Image, YuvFrame
 from padstudio.errors import ImageError, StudioError, TaskStoppedError
 from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.media import images
+from padstudio.media.read_ahead import ReadAhead
 from padstudio.media.remote import read_bytes
 from padstudio.media.video_frames import VideoPicture, read_frames
 from padstudio.vision.detector import Detector
@@ -28,6 +30,8 @@ Record = dict[str, Any]
 logger = logging.getLogger(__name__)
 
 
+# Frames that wait to be detected; a frame of 4 megapixels takes 6 MB in planes.
+_AHEAD = 2
 #: Of one frame in `VideoPart.pts`.
 BYTES_OF_TIMESTAMP = 8
 
@@ -68,9 +72,7 @@ class VideoPart:
         """The presentation timestamps."""
         return [int(value) for value in np.frombuffer(self.pts, "<i8")]
 
-    def read(
-        self, max_pixels: int, pause: Callable[[], object] = lambda: None
-    ) -> Iterator[VideoPicture]:
+    def read(self, max_pixels: int) -> Generator[VideoPicture]:
         """As `padstudio.media.video_frames.read_frames`."""
         return read_frames(
             self.url,
@@ -78,7 +80,6 @@ class VideoPart:
             rotation_deg=self.rotation_deg,
             is_counted=self.is_counted,
             max_pixels=max_pixels,
-            pause=pause,
         )
 
 
@@ -142,29 +143,36 @@ class FramesTask:
             cv2.setNumThreads(threads)
 
     def _records(self, stopped: Callable[[], bool]) -> Iterator[Record]:
+        def look() -> None:
+            if stopped():
+                raise TaskStoppedError
+
         detector = detector_for(self.recipe)
         found = (
-            self._video(detector, self.part.read(self.max_pixels, stopped), self.part)
+            self._video(detector, self.part, look)
             if isinstance(self.part, VideoPart)
             else self._stills(detector, self.part)
         )
-        for place, record in enumerate(found):
-            if stopped():
-                raise TaskStoppedError
-            yield record | {"frame": self.first_frame + place * self.stride}
+        with contextlib.closing(found) as records:
+            for place, record in enumerate(records):
+                look()
+                yield record | {"frame": self.first_frame + place * self.stride}
 
     def _video(
-        self, detector: Detector, pictures: Iterator[VideoPicture], part: VideoPart
-    ) -> Iterator[Record]:
-        for picture, found in _track(detector, pictures):
-            record = found if isinstance(found, dict) else _record(found, part.name)
-            time_s = part.start_s + (picture.pts - part.start_pts) * part.time_base_s
-            record |= {"source": part.name, "time_s": time_s}
-            if picture.is_damaged:
-                record["damaged"] = True
-            yield record
+        self, detector: Detector, part: VideoPart, look: Callable[[], None]
+    ) -> Generator[Record]:
+        """Decode in one thread and detect in another, this one, which alone calls `look`."""
+        decoded = ReadAhead(part.read(self.max_pixels), _AHEAD, look)
+        with contextlib.closing(decoded) as pictures:
+            for picture, found in _track(detector, pictures):
+                record = found if isinstance(found, dict) else _record(found, part.name)
+                time_s = part.start_s + (picture.pts - part.start_pts) * part.time_base_s
+                record |= {"source": part.name, "time_s": time_s}
+                if picture.is_damaged:
+                    record["damaged"] = True
+                yield record
 
-    def _stills(self, detector: Detector, parts: tuple[StillPart, ...]) -> Iterator[Record]:
+    def _stills(self, detector: Detector, parts: tuple[StillPart, ...]) -> Generator[Record]:
         for part in parts:
             try:
                 image = read_still(part, self.max_pixels)
@@ -210,6 +218,8 @@ def _track(
                 yield from _lost_before(waiting, readable[0])
                 readable.popleft()
                 yield waiting.popleft(), detection
+        except TaskStoppedError:
+            raise
         except StudioError as error:
             failed: Record = unread_record(error)
         except Exception as error:

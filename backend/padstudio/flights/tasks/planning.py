@@ -19,6 +19,8 @@ from padstudio.media.zip_stills import list_members
 _LEAST_FRAMES = 30
 _LEAST_STRIDED_FRAMES = 10
 _SHORT_FLIGHT_CHUNKS = 8
+# No chunk holds more than this share of the frames that are left, so that workers end together.
+_SHARE_OF_REST = 1 / 4
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,8 @@ class PlanTask:
             if place not in indices:
                 stills += mine.tolist()
                 continue
-            for numbers in _by_keyframe(mine - first, indices[place].keyframes, video_size):
+            keyframes, left = indices[place].keyframes, int((wanted >= first).sum())
+            for numbers in _by_keyframe(mine - first, keyframes, video_size, left):
                 pts = indices[place].pts[numbers].astype("<i8").tobytes()
                 yield ChunkPlan(place, int(numbers[0]) + first, len(numbers), pts)
         # Stills take longer than frames of a video, which are tracked.
@@ -195,13 +198,18 @@ class PlanTask:
 
 
 def _by_keyframe(
-    numbers: NDArray[np.int64], keyframes: NDArray[np.int64], chunk_frames: int
+    numbers: NDArray[np.int64], keyframes: NDArray[np.int64], chunk_frames: int, left: int
 ) -> Iterator[NDArray[np.int64]]:
-    """Runs of frame numbers that start where decoding can, each about `chunk_frames` long."""
+    """Runs of frame numbers that start where decoding can, each about `chunk_frames` long.
+
+    They become shorter toward the end (guided self-scheduling, Polychronopoulos and Kuck 1987,
+    doi:10.1109/TC.1987.5009495); `left` frames are these and all behind them.
+    """
     group = np.searchsorted(keyframes, numbers, side="right")
     start = 0
     for place in np.flatnonzero(np.diff(group)) + 1:
-        if place - start >= chunk_frames:
+        rest = int(_SHARE_OF_REST * (left - start))
+        if place - start >= min(chunk_frames, max(_LEAST_FRAMES, rest)):
             yield numbers[start:place]
             start = int(place)
     if start < len(numbers):
