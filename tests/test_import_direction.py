@@ -66,6 +66,7 @@ ORDER = (
     "web",
     "warm.py",
     "cli",
+    "cli/pads",
 )
 
 #: A folder with more modules than this is no room any more but a hall.

@@ -2,6 +2,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,41 @@ def test_generate_gives_the_same_pad_for_the_same_seed(tmp_path):
         texts.append((tmp_path / name).read_text(encoding="utf-8"))
     assert texts[0] == texts[1]
     assert json.loads(texts[0])["layers"] != json.loads(texts[2])["layers"]
+
+
+def test_layers_share_a_code_only_where_asked_for(tmp_path):
+    path = tmp_path / "pad.json"
+    size = ("generate", "-o", path, "--cells", "30", "--ratio", "3", "--force")
+    assert run(*size).exit_code == 0
+    assert Pad.load(path).layer_fields == "independent"
+    result = run(*size, "--layers", "paper")
+    assert "reads as another height" in result.stderr
+    red, blue = (layer.field for layer in Pad.load(path).layers)
+    assert (red[:10, :10] == blue).all()
+
+
+def test_verify_says_what_holds(tmp_path):
+    path = tmp_path / "pad.json"
+    run("generate", "-o", path, "--cells", "30", "--ratio", "3")
+    result = run("verify", path)
+    assert (result.exit_code, result.stderr) == (0, "")
+    red, blue, both = result.stdout.splitlines()
+    assert red.startswith("red: 30 x 30 cells, each window once in all four turns, windows differ")
+    assert blue.startswith("blue: 10 x 10 cells")
+    assert both.startswith("red and blue: independent: windows differ in at least 3 cells")
+    assert json.loads(run("verify", path, "--json").stdout)["layers"] == "independent"
+
+
+def test_verify_warns_of_shared_codes_and_ends_with_one_where_a_promise_is_broken(tmp_path):
+    result = run("verify", PAD)
+    assert result.exit_code == 0
+    assert "shared, a copy of the red layer's corner: 441 windows occur in both" in result.stdout
+    assert "reads as another height" in result.stderr
+    path = tmp_path / "pad.json"
+    replace(Pad.load(PAD), layer_fields="independent").save(path)
+    result = run("verify", path)
+    assert result.exit_code == 1
+    assert "layers are not independent, but shared" in result.stderr
 
 
 def test_generate_refuses_what_cannot_be(tmp_path):
@@ -220,6 +256,7 @@ def libraries_of(*arguments):
         (["--help"], {"rich"}),
         (["detect", "-q", "--pad", PAD, "--camera", CAMERA, PICTURE], {"cv2", "numba", "PIL"}),
         (["generate", "--cells", "30", "-o", "pad.json"], {"cv2", "numba"}),
+        (["verify", PAD], {"cv2", "numba"}),
     ],
 )
 def test_a_command_imports_only_what_it_uses(arguments, may, tmp_path, monkeypatch):

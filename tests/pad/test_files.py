@@ -34,6 +34,7 @@ def pads(draw):
         unique=draw(st.sampled_from([None, "rotation", "plain"])),
         distance=draw(st.none() | st.integers(1, 4)),
         visible_lines=draw(st.booleans()),
+        layer_fields=draw(st.sampled_from([None, "independent", "paper"])),
         scale=draw(st.tuples(st.floats(0.5, 2), st.floats(0.5, 2))),
     )
 
@@ -46,6 +47,7 @@ def test_what_is_written_is_read_back(pad):
     for key in ("window", "levels", "quiet_mm", "name", "seed", "method", "unique", "distance"):
         assert getattr(back, key) == getattr(pad, key)
     assert back.visible_lines == pad.visible_lines
+    assert back.layer_fields == pad.layer_fields
     assert back.scale == pad.scale
     for one, other in zip(back.layers, pad.layers, strict=True):
         assert (one.channel, one.cell_mm) == (other.channel, other.cell_mm)

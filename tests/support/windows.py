@@ -42,3 +42,10 @@ def lines_visible(field: NDArray[np.uint8], window: int) -> bool:
     down = (np.diff(windows, axis=1) != 0).any(2).all()
     across = (np.diff(windows, axis=2) != 0).any(1).all()
     return bool(down and across)
+
+
+def least_apart(one: NDArray[np.uint8], other: NDArray[np.uint8], window: int) -> int:
+    """Least number of cells in which a window of one field differs from one of another turned."""
+    upright = all_windows(one, window).reshape(-1, 1, window * window)
+    turned = [np.rot90(all_windows(other, window), turn, (1, 2)) for turn in range(4)]
+    return min(int((upright != t.reshape(1, -1, window**2)).sum(2).min()) for t in turned)

@@ -37,8 +37,8 @@ def test_what_cannot_be_is_refused() -> None:
         pads.read(b"{}")
 
 
-def test_a_table_is_the_red_layer_and_its_upper_left_part_the_blue():
-    sizes = pads.TableSizes("table", window=2, cell_mm=3, ratio=2)
+def test_with_the_papers_layers_a_tables_upper_left_part_is_the_blue_layer():
+    sizes = pads.TableSizes("table", window=2, cell_mm=3, ratio=2, layers="paper")
     made = pads.read(b"0,0,0,1\n0,1,1,1\n1,1,0,1\n0,0,1,1\n", ".csv", sizes)
     assert made.summary["size_mm"] == [12, 12]
     assert [layer["cell_mm"] for layer in made.summary["layers"]] == [3, 6]

@@ -16,9 +16,11 @@ from typer.core import TyperCommand
 from padstudio import __version__
 from padstudio.cli.support import StudioGroup
 
-#: Every command, each in the module of its name, and what the list of commands says of it.
+#: Every command, each in a module of its name, and what the list of commands says of it.
 COMMANDS = {
     "generate": "Generate a pad and write it as a pad file.",
+    "verify": "Prove the properties of a pad: each layer's windows, and the layers' beside each "
+    "other.",
     "print": "Print a pad: a PDF at true size on any paper, or another form by the file's suffix.",
     "measure": "Enter the size that a print came out at; poses then use it, without printing "
     "again.",
@@ -35,6 +37,7 @@ COMMANDS = {
     "serve": "Serve the studio's pages and its REST interface until Ctrl-C.",
     "worker": "Work on flights for a cluster's scheduler until it ends, or Ctrl-C.",
 }
+_IN_PADS = ("generate", "verify", "measure", "crosstalk")
 _MARKUP: Final = "rich"
 
 
@@ -56,7 +59,8 @@ def load(name: str) -> Any:
     alone = typer.Typer(
         rich_markup_mode=_MARKUP, add_completion=False, pretty_exceptions_enable=False
     )
-    import_module(f"padstudio.cli.{name}").register(alone)
+    folder = "padstudio.cli.pads" if name in _IN_PADS else "padstudio.cli"
+    import_module(f"{folder}.{name}").register(alone)
     if not gc.isenabled():
         gc.freeze()
         gc.enable()

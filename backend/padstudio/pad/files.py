@@ -21,7 +21,8 @@ MAX_BYTES = 64_000_000
 # Levels 0 … 35; `padstudio.pad.spec.MAX_LEVELS` goes as far as they do.
 _DIGITS = "0123456789abcdefghijklmnopqrstuvwxyz"
 # Left out of the file where nobody knows them.
-_OPTIONAL = ("seed", "method", "unique", "distance")
+_OPTIONAL = ("seed", "method", "unique", "distance", "layer_fields")
+_CHOICES = {"unique": ("rotation", "plain"), "layer_fields": ("independent", "paper")}
 
 
 class LayerFields(NamedTuple):
@@ -45,6 +46,7 @@ class PadFields(NamedTuple):
     unique: str | None
     distance: int | None
     visible_lines: bool
+    layer_fields: str | None
     scale: tuple[float, float]
     crosstalk: Any
 
@@ -133,9 +135,10 @@ def from_dict(data: Any) -> PadFields:
         name=_text(data, "name", default="pad", limit=200),
         seed=_optional_integer(data, "seed"),
         method=_optional_text(data, "method"),
-        unique=_unique(data),
+        unique=_choice(data, "unique"),
         distance=_optional_integer(data, "distance"),
         visible_lines=_truth(data, "visible_lines"),
+        layer_fields=_choice(data, "layer_fields"),
         scale=_scale(data),
         crosstalk=data.get("crosstalk"),
     )
@@ -235,10 +238,10 @@ def _optional_text(data: dict[str, Any], key: str) -> str | None:
     return None if data.get(key) is None else _text(data, key)
 
 
-def _unique(data: dict[str, Any]) -> Any:
-    value = data.get("unique")
-    if value not in (None, "rotation", "plain"):
-        raise PadFormatError(f"unique is {value!r}; it must be rotation or plain")
+def _choice(data: dict[str, Any], key: str) -> Any:
+    value, choices = data.get(key), _CHOICES[key]
+    if value not in (None, *choices):
+        raise PadFormatError(f"{key} is {value!r}; it must be {' or '.join(choices)}")
     return value
 
 

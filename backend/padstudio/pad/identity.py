@@ -11,7 +11,7 @@ from padstudio.pad.spec import Pad
 # Begins the QR code's line: what it is, and the version of its form.
 _PREFIX = "padstudio:1"
 # Left out where nobody knows them.
-_OPTIONAL = ("seed", "method", "unique", "distance")
+_OPTIONAL = ("seed", "method", "unique", "distance", "layer_fields")
 
 
 def pad_id(pad: Pad) -> str:

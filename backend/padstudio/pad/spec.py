@@ -17,6 +17,8 @@ from padstudio.pad import files
 from padstudio.pad.crosstalk import Matrix, check_matrix
 
 Channel = Literal["red", "green", "blue"]
+# Whether each layer has a field of its own, or coarse ones begin as the fine one does.
+LayerFields = Literal["independent", "paper"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
 
 # As many as there are base-36 digits.
@@ -107,6 +109,8 @@ class Pad:
         The uniqueness that the pad was generated for; None where unknown.
     distance : int or None
         The least Hamming distance of two windows that it was generated for; None where unknown.
+    layer_fields : {"independent", "paper"} or None
+        How its layers' fields were made to differ; None where unknown, and where there is one.
     visible_lines : bool
         Whether it was generated for a level change across each inner grid line of every window.
     scale : (x, y)
@@ -126,6 +130,7 @@ class Pad:
     unique: Literal["rotation", "plain"] | None = None
     distance: int | None = None
     visible_lines: bool = False
+    layer_fields: LayerFields | None = None
     scale: tuple[float, float] = field(default=(1.0, 1.0))
     crosstalk: Matrix | None = None
 

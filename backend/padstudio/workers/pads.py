@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from padstudio.pad.coding import field_tables, verify
-from padstudio.pad.coding.generate import PadSpec, any_seed, generate_pad
+from padstudio.pad.coding.generate import PadSpec, any_seed, blue_beside, generate_pad
+from padstudio.pad.coding.verify_pad import verify_pad
 from padstudio.pad.crosstalk import Matrix, separation, separation_warnings
-from padstudio.pad.spec import Layer, Pad
+from padstudio.pad.spec import Layer, LayerFields, Pad
 
 
 @dataclass(frozen=True)
@@ -23,8 +24,7 @@ class Design:
     summary : mapping
         What lists show of it.
     verification : mapping or None
-        What `padstudio.pad.coding.verify` found of the finest layer, with its ``channel``; in
-        ``others`` whether the other layers are unique. None where nobody asked.
+        What `padstudio.pad.coding.verify_pad` found, as its ``to_dict``. None where nobody asked.
     """
 
     content: str
@@ -49,12 +49,12 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
     """
     asked = PadSpec(**{**spec, "seed": any_seed(spec.get("seed"))})
     pad = generate_pad(asked, budget_s=budget_s)
-    return Design(pad.dumps(), summarize(pad), _verify(pad))
+    return Design(pad.dumps(), summarize(pad), verify_pad(pad).to_dict())
 
 
 def verify_content(content: str) -> dict[str, Any]:
     """What holds for a pad file's layers, as `Design.verification`."""
-    return _verify(Pad.loads(content))
+    return verify_pad(Pad.loads(content)).to_dict()
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,8 @@ class TableSizes:
     ratio : int
         As of `padstudio.pad.coding.generate.PadSpec`.
     quiet_mm : float
+    layers : {"independent", "paper"}
+        As of a `PadSpec`: how a blue layer is made, where the ratio adds one.
     """
 
     name: str = "pad"
@@ -79,9 +81,15 @@ class TableSizes:
     cell_mm: float = 10.0
     ratio: int = 1
     quiet_mm: float = 0.0
+    layers: LayerFields = "independent"
 
 
-def read(content: bytes, suffix: str = ".json", sizes: TableSizes | None = None) -> Design:
+def read(
+    content: bytes,
+    suffix: str = ".json",
+    sizes: TableSizes | None = None,
+    budget_s: float = 60.0,
+) -> Design:
     """Read an imported file: a pad file, or by its suffix a table or picture of the red layer.
 
     Parameters
@@ -91,34 +99,37 @@ def read(content: bytes, suffix: str = ".json", sizes: TableSizes | None = None)
         Of the file's name, in small letters; none is taken for a pad file's.
     sizes : TableSizes, optional
         Of a table or picture.
+    budget_s : float
+        Time for the search of a blue layer beside a table's, s.
 
     Raises
     ------
     PadFormatError
         With the place and the reason.
+    SpecError, SearchExhaustedError
+        Where no blue layer is found beside a table's.
     """
     if suffix in ("", ".json"):
         pad = Pad.loads(content)
     else:
-        pad = _of_table(content, suffix, sizes or TableSizes())
+        sizes = sizes or TableSizes()
+        pad = _of_table(content, suffix, sizes)
+        if sizes.ratio > 1:
+            pad = _with_blue(pad, sizes, budget_s)
     return Design(pad.dumps(), summarize(pad))
 
 
 def _of_table(content: bytes, suffix: str, sizes: TableSizes) -> Pad:
+    """A pad of the red layer alone."""
     field = field_tables.read_field(content, suffix, levels=sizes.levels)
-    levels = sizes.levels or max(2, int(field.max()) + 1)
-    layers = [Layer("red", sizes.cell_mm, field)]
-    if sizes.ratio > 1:
-        blue = field[: field.shape[0] // sizes.ratio, : field.shape[1] // sizes.ratio]
-        layers.append(Layer("blue", sizes.ratio * sizes.cell_mm, blue))
     pad = Pad(
-        layers=tuple(layers),
+        layers=(Layer("red", sizes.cell_mm, field),),
         window=sizes.window,
-        levels=levels,
+        levels=sizes.levels or max(2, int(field.max()) + 1),
         quiet_mm=sizes.quiet_mm,
         name=sizes.name,
     )
-    found = verify.verify_field(field, sizes.window, levels)
+    found = verify.verify_field(field, pad.window, pad.levels)
     if not found.unique:
         return pad
     if found.unique_under_rotation:
@@ -126,16 +137,26 @@ def _of_table(content: bytes, suffix: str, sizes: TableSizes) -> Pad:
     return replace(pad, unique="plain", distance=found.min_distance)
 
 
-def _verify(pad: Pad) -> dict[str, Any]:
-    """All that was found of the finest layer, and of the others whether they are unique."""
-    finest, *others = sorted(pad.layers, key=lambda layer: layer.cell_mm)
-    found = verify.verify_field(finest.field, pad.window, pad.levels).to_dict()
-    keys = ("unique", "unique_under_rotation", "min_distance", "min_distance_under_rotation")
-    record = {"channel": finest.channel, **found, "others": []}
-    for layer in others:
-        other = verify.verify_field(layer.field, pad.window, pad.levels).to_dict()
-        record["others"].append({"channel": layer.channel} | {key: other[key] for key in keys})
-    return record
+def _with_blue(pad: Pad, sizes: TableSizes, budget_s: float) -> Pad:
+    """A pad with a blue layer added, at the red one's distance or that of new pads, if less."""
+    (red,) = pad.layers
+    spec = PadSpec(
+        rows=red.rows,
+        cols=red.cols,
+        window=pad.window,
+        levels=pad.levels,
+        unique=pad.unique or "rotation",
+        distance=min(pad.distance or 1, PadSpec.distance),
+        ratio=sizes.ratio,
+        layers=sizes.layers,
+    )
+    if spec.has_two_fields:
+        field = blue_beside(spec, red.field, budget_s=budget_s)
+        pad = replace(pad, distance=pad.distance and spec.distance)
+    else:
+        field = red.field[: red.rows // sizes.ratio, : red.cols // sizes.ratio]
+    blue = Layer("blue", sizes.ratio * red.cell_mm, field)
+    return replace(pad, layers=(red, blue), layer_fields=sizes.layers)
 
 
 def summarize(pad: Pad) -> dict[str, Any]:
@@ -158,6 +179,7 @@ def summarize(pad: Pad) -> dict[str, Any]:
         "method": pad.method,
         "unique": pad.unique,
         "distance": pad.distance,
+        "layer_fields": pad.layer_fields,
         "scale": list(pad.scale),
         "crosstalk": None if pad.crosstalk is None else summarize_crosstalk(pad.crosstalk),
     }

@@ -34,11 +34,10 @@ export function boundsInWords(bounds, mostCells) {
  * @returns {Record<string, string>}
  */
 export function tableSizes(texts) {
-  return Object.fromEntries(
-    ["window", "cell_mm", "ratio", "quiet_mm"]
-      .filter((key) => texts[key]?.trim() && Number.isFinite(Number(texts[key])))
-      .map((key) => [key, texts[key].trim()]),
-  );
+  const sizes = ["window", "cell_mm", "ratio", "quiet_mm"]
+    .filter((key) => texts[key]?.trim() && Number.isFinite(Number(texts[key])))
+    .map((key) => [key, texts[key].trim()]);
+  return { layers: texts.layers ?? DEFAULT_SPEC.layers, ...Object.fromEntries(sizes) };
 }
 
 /** @param {PadSpec} spec @returns {string} */
@@ -88,6 +87,21 @@ export function textsOfPad(summary, file) {
     unique: summary.unique ?? DEFAULT_SPEC.unique,
     // Of an unknown distance no more is claimed than that windows differ.
     distance: String(summary.distance ?? 1),
+    visible_lines: String(file.visible_lines ?? DEFAULT_SPEC.visible_lines),
+    layers: layerFields(file, fine, others[0]),
     method: summary.method === "growth" ? "growth" : DEFAULT_SPEC.method,
   };
+}
+
+/**
+ * How a pad's layers were made: as its file says, else as its fields show.
+ * @param {import("./padLogic.js").PadFile} file
+ * @param {{codes: string[]}} fine
+ * @param {{codes: string[]} | undefined} coarse
+ * @returns {string}
+ */
+function layerFields(file, fine, coarse) {
+  if (file.layer_fields || !coarse) return file.layer_fields ?? DEFAULT_SPEC.layers;
+  const isCorner = coarse.codes.every((row, place) => fine.codes[place]?.startsWith(row));
+  return isCorner ? "paper" : "independent";
 }

@@ -29,11 +29,16 @@ export const DEFAULT_SPEC = Object.freeze({
   unique: "rotation",
   distance: 3,
   visible_lines: false,
+  layers: "independent",
   method: "auto",
   seed: 1,
 });
 
-const CHOICES = { unique: ["rotation", "plain"], method: ["auto", "growth"] };
+const CHOICES = {
+  unique: ["rotation", "plain"],
+  layers: ["independent", "paper"],
+  method: ["auto", "growth"],
+};
 const MAX_NAME = 200;
 
 /**
@@ -111,13 +116,17 @@ function relationFaults(spec) {
 }
 
 /**
- * How many windows the red layer has, and how many codes there are for them.
+ * How many windows must differ, and how many codes there are for them.
  * @param {PadSpec} spec
  * @returns {{windows: number, log10Codes: number, share: number}}  share: windows over codes
  */
 export function capacity(spec) {
   const b = spec.window;
-  const windows = Math.max(0, spec.rows - b + 1) * Math.max(0, spec.cols - b + 1);
+  const windowsOf = (/** @type {number} */ rows, /** @type {number} */ cols) =>
+    Math.max(0, rows - b + 1) * Math.max(0, cols - b + 1);
+  const [blueRows, blueCols] = [spec.rows, spec.cols].map((n) => Math.floor(n / spec.ratio));
+  const hasTwoFields = spec.ratio > 1 && spec.layers === "independent";
+  const windows = windowsOf(spec.rows, spec.cols) + (hasTwoFields ? windowsOf(blueRows, blueCols) : 0);
   // Up to rotation four windows are one; the few that are alike when turned are left aside.
   const turns = spec.unique === "rotation" ? Math.log10(4) : 0;
   const log10Codes = b * b * Math.log10(spec.levels) - turns;

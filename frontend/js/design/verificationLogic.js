@@ -4,16 +4,17 @@
  * @typedef {import("../server/answers.js").NearPair} NearPair
  * @typedef {import("../server/answers.js").Verification} Verification
  * @typedef {import("../server/answers.js").OtherLayer} OtherLayer
+ * @typedef {import("../server/answers.js").LayersApart} LayersApart
  */
 
 import { compact, number } from "../shared/formatLogic.js";
 
 /**
  * @param {Verification | null} check  null where nothing was checked
- * @returns {{facts: [string, string][], fault: string}}
+ * @returns {{facts: [string, string][], fault: string, warning: string}}
  */
 export function verificationFacts(check) {
-  if (!check) return { facts: [], fault: "" };
+  if (!check) return { facts: [], fault: "", warning: "" };
   const once = check.unique_under_rotation ? "in all rotations" : "as printed";
   /** @type {[string, string][]} */
   const facts = [
@@ -43,9 +44,34 @@ export function verificationFacts(check) {
     const distance = `${words}, ≥ ${leastDistance(other)}`;
     facts.push([`The ${other.channel} layer's`, other.unique ? distance : "no"]);
   }
+  const apart = check.apart ?? [];
+  for (const pair of apart) {
+    facts.push([apart.length > 1 ? `${pair.channels.join(" and ")} layers` : "The layers", apartInWords(pair)]);
+  }
   const twice = [check, ...others].filter((each) => !each.unique);
   const places = twice.map((each) => `the ${each.channel ?? "red"} layer`).join(" and ");
-  return { facts, fault: twice.length ? `A window occurs twice in ${places}.` : "" };
+  const faults = [
+    ...(twice.length ? [`A window occurs twice in ${places}.`] : []),
+    ...(check.broken?.length ? [`The pad's file promises what does not hold: ${check.broken.join("; ")}.`] : []),
+  ];
+  return { facts, fault: faults.join(" "), warning: apart.some(isShared) ? SHARED_COST : "" };
+}
+
+const SHARED_COST =
+  "Layers share a code: whatever shows the fine pattern in the blue channel, or the coarse one in the red, " +
+  "reads as another height, and the other channel alone tells which is right.";
+
+/** @param {LayersApart} pair */
+const isShared = (pair) => pair.relation === "shared";
+
+/** @param {LayersApart} pair @returns {string} */
+function apartInWords(pair) {
+  if (isShared(pair)) {
+    const windows = `${number(pair.shared)} windows occur in both`;
+    return pair.is_corner ? `share a code, one a copy of the other's corner: ${windows}` : `share a code: ${windows}`;
+  }
+  const word = pair.relation === "independent" ? "independent" : "nearer than windows of one layer";
+  return `${word}, ≥ ${pair.min_distance} in all rotations`;
 }
 
 /** @param {Verification | OtherLayer} check */

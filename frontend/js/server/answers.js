@@ -13,8 +13,11 @@
  * @property {"rotation" | "plain"} unique
  * @property {number} distance  least number of cells in which two windows differ
  * @property {boolean} visible_lines  each window shows a change of level across each inner line
+ * @property {LayerFields} layers
  * @property {"growth" | "auto"} method
  * @property {number | null} seed  null: drawn by the server
+ *
+ * @typedef {"independent" | "paper"} LayerFields  paper: the blue field is the red one's corner
  *
  * @typedef {"red" | "green" | "blue"} Channel
  *
@@ -23,6 +26,8 @@
  * @property {number} window
  * @property {number} levels
  * @property {number} [quiet_mm]
+ * @property {boolean} [visible_lines]
+ * @property {LayerFields} [layer_fields]
  * @property {{channel: Channel, cell_mm: number, codes: string[]}[]} layers
  *
  * @typedef {object} NearPair
@@ -49,6 +54,15 @@
  * @property {number[]} [level_counts]
  * @property {NearPair[]} [weakest]
  * @property {OtherLayer[]} [others]
+ * @property {LayersApart[]} [apart]  of each two layers
+ * @property {string[]} [broken]  promises of the pad that do not hold
+ *
+ * @typedef {object} LayersApart  windows of two layers beside each other, in any turn
+ * @property {[string, string]} channels  of the finer layer and the coarser one
+ * @property {"independent" | "near" | "shared"} relation
+ * @property {number} shared  windows that occur in both
+ * @property {boolean} is_corner  the coarser layer is a copy of the finer one's corner
+ * @property {number} min_distance  cells in which two windows differ at least
  *
  * @typedef {Pick<Verification, "unique" | "unique_under_rotation" | "min_distance" |
  *   "min_distance_under_rotation"> & {channel: string}} OtherLayer

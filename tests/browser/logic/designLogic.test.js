@@ -32,7 +32,8 @@ export const tests = {
   },
   "a table takes what it does not say from the form's good fields": () => {
     const texts = { window: "4", cell_mm: " 7.5 ", ratio: "", quiet_mm: "x", rows: "9" };
-    equal(tableSizes(texts), { window: "4", cell_mm: "7.5" });
+    equal(tableSizes(texts), { layers: "independent", window: "4", cell_mm: "7.5" });
+    equal(tableSizes({ ...texts, layers: "paper" }).layers, "paper");
   },
   "the sheet": () => equal(sheetInWords({ ...DEFAULT_SPEC, rows: 60, cell_mm: 2.5 }), "312.5 × 150 mm"),
   "facts of a pad and of each layer": () => {
@@ -45,6 +46,14 @@ export const tests = {
     const texts = textsOfPad(SUMMARY, FILE);
     equal([texts.rows, texts.cols, texts.ratio, texts.cell_mm, texts.quiet_mm], ["4", "4", "2", "10", "4"]);
     equal([texts.seed, texts.unique, texts.method], ["9", "plain", "growth"]);
+  },
+  "how its layers were made is told by the file, else by its fields": () => {
+    equal(textsOfPad(SUMMARY, FILE).layers, "independent");
+    equal(textsOfPad(SUMMARY, { ...FILE, layer_fields: "paper", visible_lines: true }).visible_lines, "true");
+    equal(textsOfPad(SUMMARY, { ...FILE, layer_fields: "paper" }).layers, "paper");
+    const corner = [FILE.layers[0], { ...FILE.layers[1], codes: ["01", "10"] }];
+    equal(textsOfPad(SUMMARY, { ...FILE, layers: corner }).layers, "paper");
+    equal(textsOfPad(SUMMARY, { ...FILE, layers: corner.slice(0, 1) }).layers, "independent");
   },
   "a pad made elsewhere leaves the unknown at its default": () => {
     const texts = textsOfPad({ ...SUMMARY, seed: null, method: null, unique: null, distance: null },

@@ -25,6 +25,7 @@ export const tests = {
   "texts become numbers and choices": () => {
     const { spec } = parse({ cell_mm: "2.5", visible_lines: "true", unique: "plain", name: " x " });
     equal([spec.cell_mm, spec.visible_lines, spec.unique, spec.name], [2.5, true, "plain", "x"]);
+    equal([spec.layers, parse({ layers: "paper" }).spec.layers], ["independent", "paper"]);
   },
   "each fault names its bounds and there is no spec": () => {
     const faults = {
@@ -50,13 +51,18 @@ export const tests = {
   "more windows than codes cannot be": () => {
     contains(parse({ window: "3" }).errors.window, "only 128 codes");
     equal(parse({ window: "3", rows: "12", cols: "12", ratio: "4" }).errors, {});
-    contains(parse({ window: "3", rows: "14", cols: "14", ratio: "4" }).errors.window, "144 windows");
+    const both = { window: "3", rows: "13", cols: "13", ratio: "2" };
+    contains(parse(both).errors.window, "137 windows");
+    equal(parse({ ...both, layers: "paper" }).errors, {});
+    contains(parse({ window: "3", rows: "14", cols: "14", ratio: "4" }).errors.window, "145 windows");
   },
   "capacity counts windows and codes": () => {
     const { windows, log10Codes, share } = capacity(DEFAULT_SPEC);
-    equal(windows, 121 * 121);
+    equal(windows, 121 * 121 + 21 * 21);
+    equal(capacity({ ...DEFAULT_SPEC, layers: "paper" }).windows, 121 * 121);
+    equal(capacity({ ...DEFAULT_SPEC, ratio: 1 }).windows, 121 * 121);
     near(10 ** log10Codes, 2 ** 23, 1);
-    near(share, 14641 / 2 ** 23, 1e-9);
+    near(share, 15082 / 2 ** 23, 1e-9);
     near(10 ** capacity({ ...DEFAULT_SPEC, unique: "plain" }).log10Codes, 2 ** 25, 1);
   },
   "large counts are powers of ten": () => {

@@ -15,7 +15,7 @@ export const tests = {
     equal([facts["Misreads corrected"], facts["Of all windows"]], ["1", "below 0.001 %"]);
     equal([facts["Cells a level"], facts["Inner lines"]], ["48.4 : 51.6 %", "not all visible"]);
     contains(verificationFacts({ ...CHECK, unique: false }).fault, "twice in the red layer");
-    equal(verificationFacts(null), { facts: [], fault: "" });
+    equal(verificationFacts(null), { facts: [], fault: "", warning: "" });
   },
   "a check as printed counts windows as they stand": () => {
     const plain = verificationFacts({ ...CHECK, unique_under_rotation: false });
@@ -27,6 +27,21 @@ export const tests = {
     equal([facts.at(-1), fault], [["The blue layer's", "as printed, ≥ 2"], ""]);
     const twice = verificationFacts({ ...CHECK, others: [{ ...blue, unique: false }] });
     contains(twice.fault, "twice in the blue layer");
+  },
+  "layers beside each other": () => {
+    const pair = { channels: ["red", "blue"], relation: "independent", shared: 0, is_corner: false, min_distance: 3 };
+    const apart = verificationFacts({ ...CHECK, apart: [pair] });
+    equal([apart.facts.at(-1), apart.warning], [["The layers", "independent, ≥ 3 in all rotations"], ""]);
+    const copy = verificationFacts({ ...CHECK, apart: [{ ...pair, relation: "shared", shared: 441, is_corner: true }] });
+    contains(copy.facts.at(-1)[1], "copy of the other's corner: 441 windows");
+    contains(copy.warning, "reads as another height");
+    const close = verificationFacts({ ...CHECK, apart: [{ ...pair, relation: "near", min_distance: 1 }] });
+    contains(close.facts.at(-1)[1], "nearer than");
+    const three = ["green", "blue"].map((channel) => ({ ...pair, channels: ["red", channel] }));
+    equal(verificationFacts({ ...CHECK, apart: three }).facts.at(-1)[0], "red and blue layers");
+  },
+  "broken promises are a fault": () => {
+    contains(verificationFacts({ ...CHECK, broken: ["the layers are not independent"] }).fault, "not independent");
   },
   "bars of the distances that count": () => {
     equal(histogramBars(CHECK).map((bar) => bar.label), ["0", "1", "2", "≥ 3"]);

@@ -11,7 +11,9 @@ import httpx
 import numpy as np
 import pytest
 from web_server import SMALL_SPEC, running, settings_for
+from windows import least_apart
 
+from padstudio.pad.coding.generate import FieldSpec, generate_field
 from padstudio.pad.coding.verify import verify_field
 from padstudio.pad.spec import Pad
 
@@ -31,7 +33,9 @@ def _table(studio: httpx.Client, name: str, content: bytes, **form: Any) -> http
 
 def test_bounds_of_the_default_pad(studio: httpx.Client) -> None:
     found = studio.post(f"{PADS}/bounds", json={}).raise_for_status().json()
-    assert found["windows_needed"] == 121 * 121
+    assert found["windows_needed"] == 121 * 121 + 21 * 21
+    paper = studio.post(f"{PADS}/bounds", json={"layers": "paper"}).raise_for_status().json()
+    assert paper["windows_needed"] == 121 * 121
     assert found["log10_possible"] == pytest.approx(25 * np.log10(2))
     # A ball of one misread cell holds 26 windows, and each comes in four turns.
     assert 10 ** found["log10_at_most"] == pytest.approx(2**25 // 26 // 4, rel=1e-9)
@@ -51,7 +55,7 @@ def test_impossible_pads_are_refused_without_a_worker(tmp_path: Any, refused: Re
     with running(settings_for(tmp_path)) as client:
         error = refused(client.post(PADS, json={"window": 3}), 422, "impossible_spec")
         assert "take at most" in error["message"]
-        assert error["detail"]["windows_needed"] == 123 * 123
+        assert error["detail"]["windows_needed"] == 123 * 123 + 23 * 23
         assert client.get(PADS).json()["total"] == 0
 
 
@@ -77,7 +81,8 @@ def test_fields_come_in_from_tables_and_pictures(studio: httpx.Client, form: str
         "field": f"{field.shape[0]} {field.shape[1]}\n".encode()
         + " ".join(map(str, field.ravel())).encode(),
     }[form]
-    answer = _table(studio, f"my field.{form}", content, ratio=2, cell_mm=4, quiet_mm=3)
+    sizes = {"ratio": 2, "cell_mm": 4, "quiet_mm": 3}
+    answer = _table(studio, f"my field.{form}", content, layers="paper", **sizes)
     taken = answer.raise_for_status().json()
     assert (taken["name"], taken["unique"]) == ("my field", "rotation")
     assert taken["distance"] >= 3
@@ -85,6 +90,26 @@ def test_fields_come_in_from_tables_and_pictures(studio: httpx.Client, form: str
     again = Pad.from_dict(studio.get(f"{PADS}/{taken['id']}").json()["pad"])
     assert np.array_equal(again.layers[0].field, field)
     assert np.array_equal(again.layers[1].field, field[:6, :5])
+    assert (taken["layer_fields"], again.layer_fields) == ("paper", "paper")
+
+
+def test_a_table_gets_a_blue_layer_that_is_independent(studio: httpx.Client) -> None:
+    field = generate_field(FieldSpec(rows=30, cols=28, distance=2, seed=9))
+    taken = _table(studio, "red.npy", _npy(field), ratio=4, levels=2).raise_for_status().json()
+    assert (taken["layer_fields"], taken["unique"]) == ("independent", "rotation")
+    red, blue = Pad.from_dict(studio.get(f"{PADS}/{taken['id']}").json()["pad"]).layers
+    assert np.array_equal(red.field, field)
+    assert blue.field.shape == (7, 7)
+    assert least_apart(red.field, blue.field, 5) >= taken["distance"] >= 2
+    found = studio.get(f"{PADS}/{taken['id']}/verification").raise_for_status().json()
+    assert found["verification"]["layers"] == "independent"
+    assert found["verification"]["broken"] == []
+
+
+def test_a_table_too_small_for_its_ratio_is_refused(studio: httpx.Client, refused: Refused) -> None:
+    field = generate_field(FieldSpec(rows=30, cols=28))
+    answer = _table(studio, "red.npy", _npy(field), ratio=7, levels=2)
+    assert "less than one 5 x 5 window" in refused(answer, 422, "invalid_spec")["message"]
 
 
 def test_a_field_with_equal_windows_says_so(studio: httpx.Client) -> None:

@@ -38,6 +38,7 @@ def test_preview_gives_a_pad_file_and_stores_nothing(studio: httpx.Client) -> No
     assert (pad.name, pad.seed, pad.window) == ("small", 7, 5)
     assert [(layer.rows, layer.cols) for layer in pad.layers] == [(12, 10), (6, 5)]
     assert body["verification"]["windows"] == (12 - 4) * (10 - 4)
+    assert (pad.layer_fields, body["verification"]["layers"]) == ("independent", "independent")
     assert studio.get(PADS).json()["total"] == before
 
 
@@ -50,6 +51,22 @@ def test_same_seed_gives_the_same_pad_and_null_draws_one(studio: httpx.Client) -
     assert layers(3)[0] != layers(4)[0]
     drawn = layers(None)
     assert layers(drawn[1]) == drawn
+
+
+def test_layers_that_share_a_code_are_made_where_asked_for_and_told(studio: httpx.Client) -> None:
+    body = studio.post(f"{PADS}/preview", json=SMALL_SPEC | {"layers": "paper"}).json()
+    red, blue = Pad.from_dict(body["pad"]).layers
+    assert np.array_equal(blue.field, red.field[:6, :5])
+    (pair,) = body["verification"]["apart"]
+    assert (pair["relation"], pair["is_corner"], pair["shared"]) == ("shared", True, 2)
+
+
+def test_what_fits_only_with_a_shared_code_is_refused(
+    studio: httpx.Client, refused: Refused
+) -> None:
+    spec = {"rows": 12, "cols": 13, "window": 3, "distance": 1, "ratio": 2}
+    error = refused(studio.post(f"{PADS}/preview", json=spec), 422, "impossible_spec")
+    assert 'layers="paper"' in error["message"]
 
 
 def test_create_list_get_delete(studio: httpx.Client, refused: Refused) -> None:

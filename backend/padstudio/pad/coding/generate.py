@@ -8,30 +8,39 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.errors import SpecError
-from padstudio.pad.coding.search.bounds import check_possible, uses_table
+from padstudio.pad.coding.pad_spec import PadSpec
+from padstudio.pad.coding.search.bounds import check_possible, cuts_first, uses_table
 from padstudio.pad.coding.search.growth import grow_field
 from padstudio.pad.coding.search.maximum_length import can_cut, cut_field
 from padstudio.pad.coding.search.spec import (
+    Fields,
     FieldSearchError,
     FieldSpec,
     Watch,
 )
 from padstudio.pad.coding.search.table_search import search_field
-from padstudio.pad.coding.verify import least_distance, lines_visible
-from padstudio.pad.spec import MAX_CELLS, Layer, Pad
+from padstudio.pad.coding.verify import least_distance, least_distance_apart, lines_visible
+from padstudio.pad.spec import Layer, Pad
 
-__all__ = ["FieldSearchError", "FieldSpec", "PadSpec", "any_seed", "generate_field", "generate_pad"]
+__all__ = [
+    "FieldSearchError",
+    "FieldSpec",
+    "PadSpec",
+    "any_seed",
+    "blue_beside",
+    "generate_field",
+    "generate_pad",
+]
 
 
 def generate_field(
     spec: FieldSpec,
     *,
+    beside: Fields = (),
     budget_s: float = 60.0,
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -41,7 +50,10 @@ def generate_field(
     Parameters
     ----------
     spec : FieldSpec
-        Size, window, levels, property, method and seed; the result depends on nothing else.
+        Size, window, levels, property, method and seed; the result depends on these and
+        ``beside`` alone.
+    beside : sequence of (rows, cols) uint8
+        Fields whose windows the new one's differ from, too: in every turn, at the distance.
     budget_s : float
         Wall time for the search, s.
     progress : callable, optional
@@ -71,44 +83,18 @@ def generate_field(
     (12, 9)
     """
     check_possible(spec)
-    watch = Watch(budget_s, progress, cancel)
+    return _generate(spec, Watch(budget_s, progress, cancel), beside)
+
+
+def _generate(spec: FieldSpec, watch: Watch, beside: Fields) -> NDArray[np.uint8]:
     try:
-        field = _search(spec, watch)
+        field = _search(spec, watch, beside)
     except FieldSearchError as error:
         if error.field is not None:
-            _prove(error.field, spec)
+            _prove(error.field, spec, beside)
         raise
-    _prove(field, spec)
+    _prove(field, spec, beside)
     return field
-
-
-@dataclass(frozen=True, kw_only=True)
-class PadSpec(FieldSpec):
-    """A pad to be generated: its red layer's field, and what else the pad holds.
-
-    Attributes
-    ----------
-    name : str
-    ratio : int
-        How many red cells a blue cell is wide; the blue layer is the upper left rows/ratio ×
-        cols/ratio of the red field. 1 makes a pad of the red layer alone.
-    cell_mm, quiet_mm : float
-        Side of a red cell and width of the white margin, mm.
-
-    Raises
-    ------
-    SpecError
-        As `FieldSpec`, and where the ratio leaves the blue layer less than one window.
-    """
-
-    name: str = "pad"
-    ratio: int = 5
-    cell_mm: float = 10.0
-    quiet_mm: float = 0.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_layers(self, self.ratio)
 
 
 def any_seed(seed: int | None) -> int:
@@ -123,7 +109,7 @@ def generate_pad(
     progress: Callable[[float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
 ) -> Pad:
-    """Generate a pad of one field: the red layer, and its upper left part magnified as the blue.
+    """Generate a pad of a red layer, and of a blue one where the spec has a ratio.
 
     Parameters
     ----------
@@ -135,13 +121,18 @@ def generate_pad(
     Raises
     ------
     SpecError, LimitError, FieldSearchError, SearchCancelledError
-        As `generate_field`.
+        As `generate_field`; nothing is made that shares a code where independent layers were asked
+        for.
     """
     spec = spec or PadSpec()
-    red = generate_field(spec, budget_s=budget_s, progress=progress, cancel=cancel)
+    check_possible(spec)
+    watch = Watch(budget_s, progress, cancel)
+    try:
+        red, blue = _fields(spec, watch)
+    except FieldSearchError as error:
+        raise FieldSearchError(error.message + spec.last_resort, error.field) from error
     layers = [Layer("red", spec.cell_mm, red)]
     if spec.ratio > 1:
-        blue = red[: spec.rows // spec.ratio, : spec.cols // spec.ratio]
         layers.append(Layer("blue", spec.ratio * spec.cell_mm, blue))
     return Pad(
         layers=tuple(layers),
@@ -154,46 +145,66 @@ def generate_pad(
         unique=spec.unique,
         distance=spec.distance,
         visible_lines=spec.visible_lines,
+        layer_fields=spec.layers if spec.ratio > 1 else None,
     )
 
 
-def _check_layers(spec: FieldSpec, ratio: int) -> None:
-    """Raise SpecError where a pad cannot have a red layer of a spec and a blue one of its ratio."""
-    side, window = min(spec.rows, spec.cols), spec.window
-    if not 1 <= ratio <= side:
-        raise SpecError(
-            f"ratio is {ratio}; it must be 1 (red layer only) … {side} cells",
-            detail={"field": "ratio"},
-        )
-    if ratio > 1 and side // ratio < window:
-        raise SpecError(
-            f"a ratio of {ratio} leaves a blue layer of {spec.rows // ratio} x "
-            f"{spec.cols // ratio} cells, less than one {window} x {window} window: take a ratio "
-            f"of at most {side // window}, or 1 for the red layer only",
-            detail={"field": "ratio"},
-        )
-    if max(spec.rows, spec.cols) > MAX_CELLS:
-        raise SpecError(
-            f"{spec.rows} x {spec.cols} cells; a pad has at most {MAX_CELLS} a side",
-            detail={"field": "rows" if spec.rows > MAX_CELLS else "cols"},
-        )
+def blue_beside(
+    spec: PadSpec, red: NDArray[np.uint8], *, budget_s: float = 60.0
+) -> NDArray[np.uint8]:
+    """Generate a spec's blue field beside a red one from elsewhere.
+
+    Parameters
+    ----------
+    spec : PadSpec
+    red : (rows, cols) uint8
+        Of the spec's size and levels; its windows need not differ from each other.
+    budget_s : float
+        Wall time for the search, s.
+
+    Raises
+    ------
+    SpecError, LimitError, FieldSearchError
+        As `generate_field`.
+    """
+    try:
+        return generate_field(spec.blue_field(), beside=(red,), budget_s=budget_s)
+    except FieldSearchError as error:
+        raise FieldSearchError(error.message + spec.last_resort, error.field) from error
 
 
-def _search(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
-    if can_cut(spec):
+def _fields(spec: PadSpec, watch: Watch) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """The red and the blue field.
+
+    The small one is first, as it then costs the large one few of its windows, and one search goes
+    on to the bound; but a sequence is cut beside nothing.
+    """
+    if not spec.has_two_fields:
+        red = _generate(spec, watch, ())
+        return red, red[: spec.rows // spec.ratio, : spec.cols // spec.ratio]
+    if cuts_first(spec):
+        red = _generate(spec, watch, ())
+        return red, _generate(spec.blue_field(), watch.unseen(), (red,))
+    blue = _generate(spec.blue_field(), watch.unseen(), ())
+    return _generate(spec, watch, (blue,)), blue
+
+
+def _search(spec: FieldSpec, watch: Watch, beside: Fields) -> NDArray[np.uint8]:
+    if can_cut(spec) and not beside:
         field = cut_field(spec, watch)
         if field is not None:
             return field
     if uses_table(spec):
-        return search_field(spec, watch)
-    return grow_field(spec, watch)
+        return search_field(spec, watch, beside)
+    return grow_field(spec, watch, beside)
 
 
-def _prove(field: NDArray[np.uint8], spec: FieldSpec) -> None:
+def _prove(field: NDArray[np.uint8], spec: FieldSpec, beside: Fields) -> None:
     """Raise AssertionError where a generator is at fault: a field must never leave unproven."""
-    rotation = spec.unique == "rotation"
-    found = least_distance(
-        field, spec.window, spec.levels, rotation=rotation, limit=spec.distance - 1
-    )
+    rotation, limit = spec.unique == "rotation", spec.distance - 1
+    found = least_distance(field, spec.window, spec.levels, rotation=rotation, limit=limit)
+    for other in beside:
+        apart = least_distance_apart(field, other, spec.window, spec.levels, limit=limit)
+        found = min(found, apart)
     if found < spec.distance or (spec.visible_lines and not lines_visible(field, spec.window)):
         raise AssertionError(f"the generator broke its own property: {spec}, distance {found}")

@@ -1,10 +1,6 @@
 """Prove the properties of a field, own or imported; shares no code with the generators.
 
-Windows are packed, a few bits a cell, into words. Equal windows are found by sorting; near ones by
-the pigeonhole principle: two windows that differ in at most k cells are equal in at least one of
-k + 1 disjoint parts, so that only windows equal in a part are compared (multi-index hashing:
-Norouzi, Punjani, Fleet, "Fast search in Hamming space with multi-index hashing", CVPR 2012,
-doi:10.1109/CVPR.2012.6248043).
+Equal windows and near ones are found by `padstudio.pad.coding.nearest`.
 """
 
 from __future__ import annotations
@@ -16,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.errors import SpecError
-from padstudio.pad.coding.verify_kernel import Nearest, Packed, compare_runs
+from padstudio.pad.coding.nearest import nearest_apart, nearest_windows
 
-U64 = NDArray[np.uint64]
 # Comparisons of two windows that an unasked-for search for near windows may take.
 _COMPARISONS = 3e8
 # Pairs that a report lists: as many as a reader looks through.
@@ -132,10 +127,10 @@ def verify_field(
         raise SpecError(f"the field holds level {field.max()}, not below levels = {levels}")
     windows = (field.shape[0] - window + 1) * (field.shape[1] - window + 1)
     if distance_limit is None:
-        distance_limit = _affordable_limit(windows, window * window, levels)
+        distance_limit = affordable_limit(windows, window * window, levels)
     limit = min(distance_limit, window * window)
-    upright = _nearest(field, window, levels, turns=1, limit=limit).distance
-    turned, others = _nearest(field, window, levels, turns=4, limit=limit)
+    upright = nearest_windows(field, window, levels, turns=1, limit=limit).distance
+    turned, others = nearest_windows(field, window, levels, turns=4, limit=limit)
     return Verification(
         rows=field.shape[0],
         cols=field.shape[1],
@@ -163,11 +158,21 @@ def least_distance(
 
     With ``rotation`` in any turn, a window and itself turned included. Quicker than `verify_field`.
     """
-    nearest = _nearest(field, window, levels, turns=4 if rotation else 1, limit=limit)
+    nearest = nearest_windows(field, window, levels, turns=4 if rotation else 1, limit=limit)
     return int(nearest.distance.min())
 
 
-def _affordable_limit(windows: int, size: int, levels: int) -> int:
+def least_distance_apart(
+    field: NDArray[np.uint8], other: NDArray[np.uint8], window: int, levels: int, *, limit: int
+) -> int:
+    """Least number of cells in which a window of one field differs from one of another.
+
+    In any turn, at most ``limit + 1``.
+    """
+    return int(nearest_apart(field, other, window, levels, limit=limit).distance.min())
+
+
+def affordable_limit(windows: int, size: int, levels: int) -> int:
     """The greatest distance, at most 4, that the search reaches within `_COMPARISONS`."""
     limit = 0
     for k in range(1, min(4, size - 1) + 1):
@@ -175,71 +180,6 @@ def _affordable_limit(windows: int, size: int, levels: int) -> int:
         if (k + 1) * windows * (4 * windows / part) <= _COMPARISONS:
             limit = k
     return limit
-
-
-def _pack(field: NDArray[np.uint8], b: int, bits: int, turn: int, cells: NDArray[np.bool_]) -> U64:
-    """Some cells of all windows, turned, as words (words, windows) of ``bits`` bits a cell."""
-    down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
-    per_word = 64 // bits
-    place = np.rot90(np.arange(b * b).reshape(b, b), -turn)
-    if b * b <= per_word and cells.all():
-        return _pack_whole(field, b, bits, place)
-    words = np.zeros((-(-b * b // per_word), down, across), np.uint64)
-    for i, j in np.argwhere(np.rot90(cells, -turn)):
-        word, slot = divmod(int(place[i, j]), per_word)
-        level = field[i : i + down, j : j + across].astype(np.uint64)
-        words[word] |= level << np.uint64(slot * bits)
-    return words.reshape(len(words), -1)
-
-
-def _pack_whole(field: NDArray[np.uint8], b: int, bits: int, place: NDArray[np.int64]) -> U64:
-    """`_pack` of all cells into one word: along the rows first, then down, 2 b sums for b²."""
-    down, across = field.shape[0] - b + 1, field.shape[1] - b + 1
-    in_row, in_col = (line - line.min() for line in (place[0], place[:, 0]))
-    lines = np.zeros((field.shape[0], across), np.uint64)
-    for j in range(b):
-        level = field[:, j : j + across].astype(np.uint64)
-        lines |= level << np.uint64(in_row[j] * bits)
-    words = np.zeros((down, across), np.uint64)
-    for i in range(b):
-        words |= lines[i : i + down] << np.uint64(in_col[i] * bits)
-    return words.reshape(1, -1)
-
-
-def _mixed(words: U64) -> U64:
-    """One word for several: themselves where there is one, else a hash; (windows,)."""
-    out: U64 = words[0].copy()
-    for word in words[1:]:
-        out ^= out >> np.uint64(29)
-        out *= np.uint64(0xBF58476D1CE4E5B9)
-        out ^= out >> np.uint64(32)
-        out += word
-    return out
-
-
-def _nearest(field: NDArray[np.uint8], b: int, levels: int, *, turns: int, limit: int) -> Nearest:
-    """The nearest other of each window, at most ``limit + 1`` apart."""
-    bits = max(1, int(levels - 1).bit_length())
-    whole = np.ones((b, b), bool)
-    words = np.stack([_pack(field, b, bits, turn, whole) for turn in range(turns)], axis=1)
-    words = words.reshape(len(words), -1)
-    count = words.shape[1] // turns
-    nearest = Nearest(np.full(count, limit + 1, np.uint8), np.full(count, -1, np.int64))
-    if limit == 0 and not _any_equal(_mixed(words)):
-        return nearest
-    part_of = np.arange(b * b).reshape(b, b) % (limit + 1)
-    for part in range(limit + 1):
-        cells = part_of == part
-        keys = np.concatenate([_mixed(_pack(field, b, bits, turn, cells)) for turn in range(turns)])
-        order = np.argsort(keys)
-        compare_runs(Packed(words, bits), keys, order, part, nearest)
-    return nearest
-
-
-def _any_equal(keys: U64) -> bool:
-    """Whether two keys are equal; sorts them where they are, as the largest fields fill memory."""
-    keys.sort()
-    return bool((keys[1:] == keys[:-1]).any())
 
 
 def lines_visible(field: NDArray[np.uint8], b: int) -> bool:

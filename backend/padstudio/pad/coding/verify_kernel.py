@@ -13,17 +13,20 @@ _ONE = np.uint64(1)
 
 
 class Packed(NamedTuple):
-    """All windows of a field, of one turn after the other.
+    """All windows of a field, and of others or of its other turns after it.
 
     Attributes
     ----------
-    words : (words, turns * windows) uint64
+    words : (words, all windows) uint64
     bits : int
         Of a cell; none lies across two words.
+    first : int
+        The first window that others are compared with.
     """
 
     words: NDArray[np.uint64]
     bits: int
+    first: int
 
 
 class Nearest(NamedTuple):
@@ -53,8 +56,8 @@ def compare_runs(
     Parameters
     ----------
     packed
-    keys, order : (turns * windows,)
-        Cells of the part, and the permutation that sorts them.
+    keys, order : (all windows,)
+        Cells of the part, and a permutation that sorts them; of equal keys it is changed.
     part : int
         Parts compared before this one: whatever is within that distance was found.
     nearest
@@ -70,11 +73,17 @@ def compare_runs(
         last = first + 1
         while last < count and keys[order[last]] == keys[order[first]]:
             last += 1
+        # Those to compare with come first, so that none looks through many that are not.
+        ends = first
+        for at in range(first, last):
+            if order[at] >= packed.first:
+                order[at], order[ends] = order[ends], order[at]
+                ends += 1
         for at in range(first, last):
             window = order[at]
             if window >= windows or distance[window] <= part:
                 continue
-            for k in range(first, last):
+            for k in range(first, ends):
                 other = order[k]
                 if other == window:
                     continue

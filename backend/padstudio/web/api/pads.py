@@ -12,8 +12,8 @@ from fastapi import APIRouter, Depends, File, Query, Response, UploadFile
 from fastapi.concurrency import run_in_threadpool
 
 from padstudio.errors import LimitError
+from padstudio.pad.coding import pad_spec
 from padstudio.pad.coding.search import bounds
-from padstudio.pad.coding.search.spec import FieldSpec
 from padstudio.pad.spec import MAX_CELLS
 from padstudio.store.store import Stored
 from padstudio.web.api.cameras import file_name
@@ -56,7 +56,7 @@ async def create_pad(spec: PadSpec, shared: Shared) -> PadSummary:
     "/bounds", operation_id="getPadBounds", summary="What can be known of a pad beforehand"
 )
 def get_pad_bounds(spec: PadSpec) -> PadBounds:
-    return PadBounds(**_bounds_record(bounds.bounds(_field_spec(spec))))
+    return PadBounds(**_bounds_record(bounds.bounds(_with_seed(spec))))
 
 
 @router.post(
@@ -75,10 +75,12 @@ async def import_pad(
 ) -> PadSummary:
     check_size(file.size, shared.settings.max_upload_bytes, "file")
     path = PurePosixPath(file_name(file, "pad"))
+    budget_s = shared.settings.generate_seconds
     made = await shared.run(
         design.read,
         *(await file.read(), path.suffix.lower(), replace(sizes, name=sizes.name or path.stem)),
-        timeout_s=shared.settings.generate_seconds,
+        budget_s,
+        timeout_s=budget_s + _GRACE_S,
     )
     return await _store(made, shared)
 
@@ -132,24 +134,16 @@ async def _generate(spec: PadSpec, shared: Services) -> design.Design:
         if value > limit:
             raise LimitError(f"{name} is {value}; this server makes pads of at most {limit}")
     # What no search can find is refused here, at once.
-    bounds.check_possible(_field_spec(spec))
+    bounds.check_possible(_with_seed(spec))
     budget_s = settings.generate_seconds
     return await shared.run(
         design.generate, spec.model_dump(), budget_s, timeout_s=budget_s + _GRACE_S
     )
 
 
-def _field_spec(spec: PadSpec) -> FieldSpec:
-    return FieldSpec(
-        rows=spec.rows,
-        cols=spec.cols,
-        window=spec.window,
-        levels=spec.levels,
-        unique=spec.unique,
-        distance=spec.distance,
-        visible_lines=spec.visible_lines,
-        method=spec.method,
-    )
+def _with_seed(spec: PadSpec) -> pad_spec.PadSpec:
+    """The spec, with any seed where none is given: what can be does not depend on it."""
+    return pad_spec.PadSpec(**{**spec.model_dump(), "seed": spec.seed or 0})
 
 
 def _bounds_record(found: bounds.Bounds) -> dict[str, Any]:

@@ -7,7 +7,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
+from padstudio.pad.coding.pad_spec import PAPER_COST
+from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, LayerFields
 from padstudio.web.schemas.pads import PadCrosstalk
 
 SPEC_EXAMPLE: dict[str, Any] = {
@@ -21,6 +22,7 @@ SPEC_EXAMPLE: dict[str, Any] = {
     "quiet_mm": 20.0,
     "unique": "rotation",
     "distance": 3,
+    "layers": "independent",
     "method": "auto",
     "seed": 1,
 }
@@ -38,6 +40,7 @@ PAD_EXAMPLE: dict[str, Any] = {
     "method": "auto",
     "unique": "rotation",
     "distance": 3,
+    "layer_fields": "independent",
     "scale": [1.0, 1.0],
     "created_at": "2026-05-04T09:30:00Z",
 }
@@ -61,7 +64,18 @@ CAMERA_EXAMPLE: dict[str, Any] = {
     "nominal": True,
     "note": "nominal, calibrate for accuracy",
 }
-_VERIFICATION_EXAMPLE: dict[str, Any] = {"windows": 4, "unique": True, "min_distance": 1}
+_VERIFICATION_EXAMPLE: dict[str, Any] = {
+    "windows": 4,
+    "unique": True,
+    "min_distance": 1,
+    "others": [],
+    "layers": None,
+    "apart": [],
+}
+_VERIFICATION = (
+    "What was proved of the finest layer, and in short of the `others`; of the `layers` together "
+    "(`independent`, `near` or `shared`; null for one), and how far each two are `apart`."
+)
 _TRACE = "/api/v1/detect/9b1d4c2a7e60f835"
 DETECTION_EXAMPLE: dict[str, Any] = {
     "result": {
@@ -153,6 +167,11 @@ class PadSpec(BaseModel):
     visible_lines: bool = Field(
         False, description="Each window has a level change across each of its inner lines."
     )
+    layers: LayerFields = Field(
+        "independent",
+        description="independent: no window of a layer is in the other, in any turn, at the "
+        f"distance. paper: the blue layer is a copy of the red one's corner; {PAPER_COST}.",
+    )
     method: Literal["auto", "growth"] = "auto"
     seed: int | None = Field(1, ge=0, le=2**63 - 1, description="null: the server draws one.")
 
@@ -179,6 +198,9 @@ class PadSummary(BaseModel):
     method: str | None
     unique: Literal["rotation", "plain"] | None
     distance: int | None
+    layer_fields: LayerFields | None = Field(
+        None, description="As its layers' fields were made; null where unknown, or for one layer."
+    )
     scale: tuple[float, float] = Field(
         (1.0, 1.0), description="Measured size of the print over its nominal size, x and y."
     )
@@ -214,9 +236,7 @@ class PadPreview(BaseModel):
     )
 
     pad: dict[str, Any] = Field(description="A pad file's object.")
-    verification: dict[str, Any] = Field(
-        description="What was proved of the finest layer, and in short of the `others`."
-    )
+    verification: dict[str, Any] = Field(description=_VERIFICATION)
 
 
 class PadVerification(BaseModel):
@@ -224,9 +244,7 @@ class PadVerification(BaseModel):
 
     model_config = _example({"verification": _VERIFICATION_EXAMPLE})
 
-    verification: dict[str, Any] = Field(
-        description="What was proved of the finest layer, and in short of the `others`."
-    )
+    verification: dict[str, Any] = Field(description=_VERIFICATION)
 
 
 class CameraSummary(BaseModel):

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from fastapi import Form
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
+from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, LayerFields
 from padstudio.workers.pads import TableSizes
 
 
@@ -18,19 +18,21 @@ class PadBounds(BaseModel):
         json_schema_extra={
             "examples": [
                 {
-                    "windows_needed": 14641,
+                    "windows_needed": 15082,
                     "log10_possible": 7.53,
                     "log10_allowed": 6.92,
                     "log10_at_most": 5.51,
-                    "share": 0.045,
-                    "largest_square": 571,
+                    "share": 0.047,
+                    "largest_square": 561,
                     "outlook": "easy",
                 }
             ]
         }
     )
 
-    windows_needed: int = Field(description="Windows of the red layer.")
+    windows_needed: int = Field(
+        description="Windows that must differ: of all layers, or of red with `layers` paper."
+    )
     log10_possible: float | None = Field(description="Windows that exist: Y^(b²).")
     log10_allowed: float | None = Field(description="Those that the uniqueness leaves.")
     log10_at_most: float | None = Field(
@@ -65,6 +67,9 @@ def table_sizes(
     cell_mm: Annotated[float, Form(gt=0, le=10_000)] = 10.0,
     ratio: Annotated[int, Form(ge=1, le=MAX_CELLS, description="Above 1 adds a blue layer.")] = 1,
     quiet_mm: Annotated[float, Form(ge=0, le=10_000)] = 0.0,
+    layers: Annotated[
+        LayerFields, Form(description="As of a new pad: how a blue layer that is added is made.")
+    ] = "independent",
 ) -> TableSizes:
     """What a table does not say of its pad, from the fields of a form."""
-    return TableSizes(name or "", window, levels, cell_mm, ratio, quiet_mm)
+    return TableSizes(name or "", window, levels, cell_mm, ratio, quiet_mm, layers)

@@ -46,9 +46,10 @@ export function mountVerificationPanel(root, { onPair }) {
       find("busy").hidden = !busy;
       if (check !== shown) {
         shown = check;
-        const { facts: found, fault } = verificationFacts(check);
+        const { facts: found, fault, warning } = verificationFacts(check);
         facts.update(found);
         find("fault").textContent = fault;
+        find("warning").textContent = warning;
         svg.replaceChildren(...bars(check));
         list.replaceChildren(...(check?.weakest ?? []).map(row));
         find("distances").hidden = !histogramBars(check).length;

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from padstudio.compiled import jit
+from padstudio.pad.coding.search.beside import board_beside
 from padstudio.pad.coding.search.board import (
     I16,
     I32,
@@ -21,13 +22,12 @@ from padstudio.pad.coding.search.board import (
     U64,
     Board,
     Costs,
-    board,
     is_taken,
     take_symmetric,
 )
 from padstudio.pad.coding.search.random import random_state
 from padstudio.pad.coding.search.row_search import costs, fill, top_row
-from padstudio.pad.coding.search.spec import FieldSpec, Watch
+from padstudio.pad.coding.search.spec import Fields, FieldSpec, Watch
 
 # Boards are copied and judged whole at every row: only small tables and short rows pay.
 _MAX_CODES = 2**20
@@ -44,13 +44,17 @@ def fits_beam(spec: FieldSpec) -> bool:
     return spec.levels ** (spec.window**2) <= _MAX_CODES and spec.cols <= _MAX_COLS
 
 
-def beam_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple[int, U8]:
+def beam_field(
+    spec: FieldSpec, watch: Watch, width: int, stream: int, beside: Fields = ()
+) -> tuple[int, U8]:
     """Fill rows until none of the ``width`` boards of a beam can be filled further.
 
     Parameters
     ----------
     stream : int
         Which of the random streams of the spec's seed.
+    beside
+        Fields whose windows are taken.
 
     Returns
     -------
@@ -60,7 +64,7 @@ def beam_field(spec: FieldSpec, watch: Watch, width: int, stream: int) -> tuple[
         A field that reached so far.
     """
     few = spec.levels ** (spec.window**2) <= _FEW_CODES
-    first = board(spec, Costs(0, 0) if few else costs(spec))
+    first = board_beside(spec, Costs(0, 0) if few else costs(spec), beside)
     first = first._replace(state=random_state(spec.seed, stream))
     take_symmetric(first)
     left, right = columns(spec.window, spec.levels)

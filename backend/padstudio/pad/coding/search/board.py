@@ -102,7 +102,7 @@ def board(spec: FieldSpec, costs: Costs) -> Board:
         field=np.zeros((spec.rows, spec.cols), np.uint8),
         taken=np.zeros(codes // 64 + 1, np.uint64),
         free=np.full(levels ** (b * b - b), levels**b, np.int16),
-        turned=_turned_lines(b, levels, spec.turns),
+        turned=turned_lines(b, levels, spec.turns),
         journal=np.empty(codes, np.int32),
         starts=np.zeros(spec.windows + 1, np.int64),
         lines=np.zeros((b, across), np.int64),
@@ -117,7 +117,7 @@ def board(spec: FieldSpec, costs: Costs) -> Board:
     )
 
 
-def _turned_lines(b: int, levels: int, turns: int) -> I64:
+def turned_lines(b: int, levels: int, turns: int) -> I64:
     """``turned`` of `Board`; turn t is t quarter turns counter-clockwise."""
     weights = (levels ** np.arange(b * b - 1, -1, -1)).reshape(b, b)
     digits = np.stack([np.arange(levels**b) // levels ** (b - 1 - j) % levels for j in range(b)])

@@ -36,10 +36,11 @@ class Bounds:
     windows_at_most : int
         How many windows a field can hold at the distance asked for (an upper bound).
     windows_needed : int
+        Of all fields that the spec asks for.
     share : float
         Needed of at most.
     largest_square : int
-        Largest side of a square field that the count does not rule out.
+        Largest side of a square field, with what goes with it, that the count does not rule out.
     outlook : {"easy", "long", "impossible"}
         "long": near the bound; the search may take long or not end.
     """
@@ -75,16 +76,26 @@ def bounds(spec: FieldSpec) -> Bounds:
     ball = sum(comb(size, k) * (levels - 1) ** k for k in range(radius + 1))
     packed = min(possible // ball, levels ** (size - spec.distance + 1))
     at_most = min(allowed, packed // spec.turns)
-    side = isqrt(at_most) + spec.window - 1 if at_most else 0
-    share = spec.windows / at_most if at_most else float("inf")
+    needed = spec.windows_needed(spec.rows, spec.cols)
+    share = needed / at_most if at_most else float("inf")
     if share > 1:
         outlook: Outlook = "impossible"
     else:
         easy = _EASY_LOAD.get(spec.distance, _EASY_LOAD_BEYOND)
         # Of small windows, few sequences are at hand, and none may do.
-        sure = spec.window > 3 and can_cut(spec)
+        sure = spec.window > 3 and cuts_first(spec)
         outlook = "easy" if sure or load(spec) <= easy else "long"
-    return Bounds(possible, allowed, at_most, spec.windows, share, side, outlook)
+    side = _largest_square(spec, at_most)
+    return Bounds(possible, allowed, at_most, needed, share, side, outlook)
+
+
+def _largest_square(spec: FieldSpec, at_most: int) -> int:
+    """Largest side with no more windows than that, by bisection; 0 for none."""
+    low, high = spec.window - 1, isqrt(at_most) + spec.window
+    while high - low > 1:
+        side = (low + high) // 2
+        low, high = (side, high) if spec.windows_needed(side, side) <= at_most else (low, side)
+    return low if at_most else 0
 
 
 def check_possible(spec: FieldSpec) -> Bounds:
@@ -101,18 +112,18 @@ def check_possible(spec: FieldSpec) -> Bounds:
     if found.outlook == "impossible":
         unique = "differ in all turns" if spec.turns == 4 else "differ"
         raise SpecError(
-            f"{spec.rows} x {spec.cols} cells need {found.windows_needed} windows of "
+            f"{spec.cells_in_words} need {found.windows_needed} windows of "
             f"{spec.window} x {spec.window} cells that {unique} in at least {spec.distance} "
             f"cells; with {spec.levels} levels there are at most {found.windows_at_most}: "
             f"{_way_out(spec, found)}",
             code="impossible_spec",
             detail=found.to_dict(),
         )
-    entries = spec.windows * spec.distance
+    entries = found.windows_needed * spec.distance
     if not uses_table(spec) and entries > MAX_CHAIN_ENTRIES:
         raise LimitError(
-            f"{spec.windows} windows at distance {spec.distance} take {entries} table entries; "
-            f"the limit is {MAX_CHAIN_ENTRIES}: take a smaller field or a lesser distance",
+            f"{found.windows_needed} windows at distance {spec.distance} take {entries} table "
+            f"entries; the limit is {MAX_CHAIN_ENTRIES}: take a smaller field or a lesser distance",
             detail=found.to_dict(),
         )
     return found
@@ -124,11 +135,12 @@ def uses_table(spec: FieldSpec) -> bool:
 
 
 def _way_out(spec: FieldSpec, found: Bounds) -> str:
+    alone = spec.last_resort if spec.windows <= found.windows_at_most else ""
     if found.largest_square < spec.window:
-        return "take a lesser distance, a larger window or more levels"
+        return f"take a lesser distance, a larger window or more levels{alone}"
     side = found.largest_square
     lesser = ", a lesser distance" if spec.distance > 1 else ""
-    return f"take at most {side} x {side} cells{lesser}, a larger window or more levels"
+    return f"take at most {side} x {side} cells{lesser}, a larger window or more levels{alone}"
 
 
 def ruled_out(spec: FieldSpec) -> int:
@@ -138,6 +150,24 @@ def ruled_out(spec: FieldSpec) -> int:
 
 
 def load(spec: FieldSpec) -> float:
-    """Windows that the field rules out, counted as often as they are, per window there is."""
-    ruled = spec.windows * spec.turns * ruled_out(spec)
+    """Windows that all fields rule out, counted as often as they are, per window there is.
+
+    Those of another field are ruled out in every turn.
+    """
+    beside = spec.windows_needed(spec.rows, spec.cols) - spec.windows
+    ruled = (spec.windows * spec.turns + beside * 4) * ruled_out(spec)
     return float(ruled / spec.levels ** (spec.window**2))
+
+
+def cuts_first(spec: FieldSpec) -> bool:
+    """Whether the field can be cut from one sequence, with room beside it for the others.
+
+    A sequence heeds no other field, so that those come after it, and find its windows in four turns
+    taken.
+    """
+    if not can_cut(spec):
+        return False
+    if spec.windows_needed(spec.rows, spec.cols) == spec.windows:
+        return True
+    used = spec.windows / spec.levels ** (spec.window**2)
+    return bool(1 - (1 - used) ** 4 <= _EASY_LOAD[1])

@@ -23,11 +23,11 @@ from padstudio.pad.coding.search.hash_chains import (
     Placed,
     allowed,
     displace,
-    nothing_placed,
     place,
+    placed_beside,
 )
 from padstudio.pad.coding.search.random import draw
-from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
+from padstudio.pad.coding.search.spec import Fields, FieldSearchError, FieldSpec, Watch
 
 # Draws of a whole row or column of b cells before it counts as a dead end.
 _DRAWS = 256
@@ -40,8 +40,8 @@ _STEPS = 20_000
 @pure_jit
 def _window_of(placed: Placed, step: int) -> tuple[int, int]:
     """Row and column of the window that a step completes."""
-    rows, cols = placed.field.shape
-    down, across = rows - placed.rules.window + 1, cols - placed.rules.window + 1
+    down = placed.rows - placed.rules.window + 1
+    across = placed.cols - placed.rules.window + 1
     if step < across:
         return 0, step
     if step < across + down - 1:
@@ -88,7 +88,7 @@ def grow(placed: Placed, first: int, last: int) -> int:
     return last
 
 
-def grow_field(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
+def grow_field(spec: FieldSpec, watch: Watch, beside: Fields = ()) -> NDArray[np.uint8]:
     """Grow a field; what dead-ends starts again from a new block, with the next random stream.
 
     Returns
@@ -102,9 +102,9 @@ def grow_field(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
     """
     best, most = None, 0
     for stream in count():
-        field, step, spent = _attempt(spec, stream, watch)
+        field, step, spent = _attempt(spec, placed_beside(spec, stream, beside), watch)
         if step == spec.windows:
-            return field
+            return field.copy()
         if step > most:
             best, most = field, step
         if spent:
@@ -116,9 +116,9 @@ def grow_field(spec: FieldSpec, watch: Watch) -> NDArray[np.uint8]:
     )
 
 
-def _attempt(spec: FieldSpec, stream: int, watch: Watch) -> tuple[NDArray[np.uint8], int, bool]:
+def _attempt(spec: FieldSpec, placed: Placed, watch: Watch) -> tuple[NDArray[np.uint8], int, bool]:
     """A field, the steps that it completed, and whether time is spent."""
-    placed = nothing_placed(spec, stream)
+    field = placed.field[: spec.rows, : spec.cols]
     step, farthest, dead_ends = 0, 0, 0
     patience = 0 if spec.method == "growth" else _PATIENCE
     while True:
@@ -126,13 +126,13 @@ def _attempt(spec: FieldSpec, stream: int, watch: Watch) -> tuple[NDArray[np.uin
         step = grow(placed, step, last)
         spent = watch.spent(step / spec.windows)
         if step == spec.windows or spent:
-            return placed.field, step, spent
+            return field, step, spent
         if step == last:
             continue
         if step > farthest:
             farthest, dead_ends = step, 0
         if dead_ends == patience:
-            return placed.field, step, False
+            return field, step, False
         dead_ends += 1
         step = grow(placed, step, max(0, step - spec.window * (dead_ends & -dead_ends)))
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from padstudio.compiled import pure_jit
 from padstudio.pad.coding.search.random import random_state
-from padstudio.pad.coding.search.spec import FieldSpec, Rules
+from padstudio.pad.coding.search.spec import Fields, FieldSpec, Rules
 
 # The numbers of FNV-1a with 64 bits (Fowler, Noll, Vo).
 _PRIME = np.uint64(0x100000001B3)
@@ -29,7 +29,10 @@ class Placed(NamedTuple):
     Attributes
     ----------
     rules
-    field : (rows, cols) uint8
+    rows, cols : int
+        Of the field in growth.
+    field : (rows or more, cols or more) uint8
+        The field in growth at the upper left, and below it others, whose windows are placed.
     heads : (distance, buckets) int32
         Per part and bucket, the number of the window placed last; -1 for none.
     links : (distance, windows) int32
@@ -41,6 +44,8 @@ class Placed(NamedTuple):
     """
 
     rules: Rules
+    rows: int
+    cols: int
     field: NDArray[np.uint8]
     heads: NDArray[np.int32]
     links: NDArray[np.int32]
@@ -48,17 +53,46 @@ class Placed(NamedTuple):
     state: NDArray[np.uint64]
 
 
-def nothing_placed(spec: FieldSpec, stream: int) -> Placed:
-    """An empty field, and the random stream of the seed that it is grown from."""
-    size = 1 << max(4, int(spec.windows - 1).bit_length())
-    return Placed(
+def placed_beside(spec: FieldSpec, stream: int, fields: Fields = ()) -> Placed:
+    """An empty field beside others, and the random stream of the seed that it is grown from."""
+    canvas, parts = _stack(spec, fields)
+    windows = (len(canvas) - spec.window + 1) * (canvas.shape[1] - spec.window + 1)
+    size = 1 << max(4, int(windows - 1).bit_length())
+    placed = Placed(
         rules=spec.rules,
-        field=np.zeros((spec.rows, spec.cols), np.uint8),
+        rows=spec.rows,
+        cols=spec.cols,
+        field=canvas,
         heads=np.full((spec.distance, size), -1, np.int32),
-        links=np.full((spec.distance, spec.windows), -1, np.int32),
+        links=np.full((spec.distance, windows), -1, np.int32),
         cells=np.zeros((spec.turns, spec.window**2), np.uint8),
         state=random_state(spec.seed, stream),
     )
+    for row, rows, cols in parts:
+        _place_all(placed, row, rows, cols)
+    return placed
+
+
+def _stack(spec: FieldSpec, fields: Fields) -> tuple[NDArray[np.uint8], list[tuple[int, int, int]]]:
+    """Room for a field, above others: as they are, or in all turns where it is compared in one.
+
+    Returns
+    -------
+    canvas : (rows, cols) uint8
+        The field to come is its upper left part.
+    parts : list of (row, rows, cols)
+        Where the others are, from column 0 on.
+    """
+    others = [np.rot90(field, turn) for field in fields for turn in range(4 // spec.turns)]
+    rows = spec.rows + sum(len(other) for other in others)
+    canvas = np.zeros((rows, max([spec.cols, *(other.shape[1] for other in others)])), np.uint8)
+    parts: list[tuple[int, int, int]] = []
+    row = spec.rows
+    for other in others:
+        canvas[row : row + len(other), : other.shape[1]] = other
+        parts.append((row, other.shape[0], other.shape[1]))
+        row += len(other)
+    return canvas, parts
 
 
 @pure_jit
@@ -159,6 +193,16 @@ def place(placed: Placed, row: int, col: int) -> None:
         at = _bucket(placed, 0, part)
         placed.links[part, number] = placed.heads[part, at]
         placed.heads[part, at] = number
+
+
+@pure_jit
+def _place_all(placed: Placed, first: int, rows: int, cols: int) -> None:
+    """Enter all windows of the field that begins at row ``first``."""
+    b = placed.rules.window
+    for row in range(first, first + rows - b + 1):
+        for col in range(cols - b + 1):
+            _read(placed, row, col)
+            place(placed, row, col)
 
 
 @pure_jit

@@ -9,6 +9,7 @@ Process. Lett. 47, 1993, doi:10.1016/0020-0190(93)90029-9).
 from __future__ import annotations
 
 from padstudio.compiled import pure_jit
+from padstudio.pad.coding.search.beside import board_beside
 from padstudio.pad.coding.search.board import (
     BEST_ROWS,
     FAILURES,
@@ -18,13 +19,12 @@ from padstudio.pad.coding.search.board import (
     U8,
     Board,
     Costs,
-    board,
     give_back,
     take_symmetric,
 )
 from padstudio.pad.coding.search.bounds import bounds, ruled_out
 from padstudio.pad.coding.search.random import draw
-from padstudio.pad.coding.search.spec import FieldSpec, Watch
+from padstudio.pad.coding.search.spec import Fields, FieldSpec, Watch
 from padstudio.pad.coding.search.trellis import find_paths, start, walk
 
 # Cost of a cell below which one window is left; k windows cost a k-th of it. Random costs are 0 …
@@ -141,6 +141,12 @@ def costs(spec: FieldSpec) -> Costs:
 class RowSearch:
     """A search row by row that can be gone on with.
 
+    Parameters
+    ----------
+    spec
+    beside
+        Fields whose windows are taken.
+
     Attributes
     ----------
     reached : int
@@ -149,9 +155,9 @@ class RowSearch:
         A field that has them.
     """
 
-    def __init__(self, spec: FieldSpec) -> None:
+    def __init__(self, spec: FieldSpec, beside: Fields = ()) -> None:
         self._spec = spec
-        self._board = board(spec, costs(spec))
+        self._board = board_beside(spec, costs(spec), beside)
         codes = spec.cols * spec.turns * ruled_out(spec)
         self._fills = max(1, _CODES // codes)
         self.reached, self.best = 0, self._board.field

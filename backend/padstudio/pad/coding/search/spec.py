@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import monotonic
 from typing import Literal, NamedTuple, get_args
@@ -15,6 +15,8 @@ from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
 
 Unique = Literal["rotation", "plain"]
 Method = Literal["auto", "growth"]
+# Fields (rows, cols) of levels whose windows another must not repeat.
+Fields = Sequence[NDArray[np.uint8]]
 
 
 class Rules(NamedTuple):
@@ -107,6 +109,16 @@ class FieldSpec:
         return 4 if self.unique == "rotation" else 1
 
     @property
+    def cells_in_words(self) -> str:
+        """The cells of all fields that the spec asks for, for messages."""
+        return f"{self.rows} x {self.cols} cells"
+
+    @property
+    def last_resort(self) -> str:
+        """What does where only one field finds room, as the end of a sentence; else nothing."""
+        return ""
+
+    @property
     def rules(self) -> Rules:
         """What compiled loops need to know of the spec."""
         return Rules(self.window, self.levels, self.distance, self.turns, self.visible_lines)
@@ -114,11 +126,19 @@ class FieldSpec:
     @property
     def windows(self) -> int:
         """Number of windows of the field."""
-        return (self.rows - self.window + 1) * (self.cols - self.window + 1)
+        return _windows(self.rows, self.cols, self.window)
+
+    def windows_needed(self, rows: int, cols: int) -> int:
+        """How many windows must differ, were the field of so many rows and columns."""
+        return _windows(rows, cols, self.window)
 
 
 # A field may be larger than the layers that a pad file holds.
 MAX_FIELD_CELLS = 2 * MAX_CELLS
+
+
+def _windows(rows: int, cols: int, b: int) -> int:
+    return max(0, rows - b + 1) * max(0, cols - b + 1)
 
 
 class Watch:
@@ -158,6 +178,12 @@ class Watch:
         if self._progress is not None:
             self._progress(min(max(done, 0.0), 1.0))
         return self.elapsed_s > self._budget_s
+
+    def unseen(self) -> Watch:
+        """The same budget and cancelling, without progress: of a search that is a small part."""
+        other = Watch(self._budget_s, None, self._cancel)
+        other._start = self._start
+        return other
 
     @property
     def elapsed_s(self) -> float:

@@ -8,7 +8,7 @@ from padstudio.pad.coding.search.beam_search import beam_field, fits_beam
 from padstudio.pad.coding.search.board import U8
 from padstudio.pad.coding.search.bounds import bounds
 from padstudio.pad.coding.search.row_search import RowSearch
-from padstudio.pad.coding.search.spec import FieldSearchError, FieldSpec, Watch
+from padstudio.pad.coding.search.spec import Fields, FieldSearchError, FieldSpec, Watch
 
 # Rounds of the search by rows before the first beam, and boards of that; both double each cycle.
 # Smaller tables are searched for fewer rounds, and by more beams a cycle.
@@ -17,8 +17,8 @@ _WIDTH = 64
 _USUAL_CODES = 2**16
 
 
-def search_field(spec: FieldSpec, watch: Watch) -> U8:
-    """Search a field over a table of all windows.
+def search_field(spec: FieldSpec, watch: Watch, beside: Fields = ()) -> U8:
+    """Search a field over a table of all windows, of which those of other fields are taken.
 
     Returns
     -------
@@ -29,7 +29,7 @@ def search_field(spec: FieldSpec, watch: Watch) -> U8:
     FieldSearchError
         Where the budget ends first, with the rows reached at best.
     """
-    by_rows = RowSearch(spec)
+    by_rows = RowSearch(spec, beside)
     beamed = fits_beam(spec) and bounds(spec).outlook == "long"
     best, reached = by_rows.best, 0
     codes = spec.levels ** (spec.window**2)
@@ -41,7 +41,7 @@ def search_field(spec: FieldSpec, watch: Watch) -> U8:
             best, reached = by_rows.best.copy(), by_rows.reached
         for number in range(beams if beamed and not ended else 0):
             stream = 1 + cycle * beams + number
-            rows, field = beam_field(spec, watch, _WIDTH << cycle, stream)
+            rows, field = beam_field(spec, watch, _WIDTH << cycle, stream, beside)
             if rows > reached:
                 best, reached = field, rows
             if reached == spec.rows or watch.spent(reached / spec.rows):

@@ -9,6 +9,7 @@ import typer
 
 from padstudio.cli.support import check_output, note, progress_bar
 from padstudio.pad.coding import generate as coding
+from padstudio.pad.coding.pad_spec import PAPER_COST
 
 _EXAMPLES = (
     "Examples: [bold]padstudio generate -o pad.json[/] · "
@@ -24,6 +25,13 @@ _VisibleLines = Annotated[
     bool,
     typer.Option(
         "--visible-lines", help="Every window has a level change across each of its inner lines."
+    ),
+]
+_Layers = Annotated[
+    Literal["independent", "paper"],
+    typer.Option(
+        help="independent: windows of one layer differ from those of the other, too, in every "
+        f"turn; paper: the blue layer is a copy of the red one's corner, so that {PAPER_COST}."
     ),
 ]
 _Method = Annotated[Literal["auto", "growth"], typer.Option(help="auto, or growth: the paper's.")]
@@ -46,6 +54,7 @@ def generate(
     quiet_mm: Annotated[float, typer.Option(help="White margin round the pad, mm.")] = 0.0,
     unique: _Unique = "rotation",
     distance: _Distance = 3,
+    layers: _Layers = "independent",
     visible_lines: _VisibleLines = False,
     method: _Method = "auto",
     seed: Annotated[int, typer.Option(help="The same seed gives the same pad, everywhere.")] = 1,
@@ -67,6 +76,7 @@ def generate(
         quiet_mm=quiet_mm,
         unique=unique,
         distance=distance,
+        layers=layers,
         visible_lines=visible_lines,
         method=method,
         seed=seed,
@@ -78,8 +88,10 @@ def generate(
             progress=progress,
         )
     pad.save(output)
-    layers = ", ".join(f"{la.channel} {la.rows} x {la.cols}" for la in pad.layers)
-    note(f"{output}: {pad.width_mm:g} mm x {pad.height_mm:g} mm, {layers}")
+    sizes = ", ".join(f"{la.channel} {la.rows} x {la.cols}" for la in pad.layers)
+    note(f"{output}: {pad.width_mm:g} mm x {pad.height_mm:g} mm, {sizes}")
+    if pad.layer_fields == "paper":
+        note(f"layers that share a code: {PAPER_COST}")
 
 
 def _cells(text: str) -> tuple[int, int]:

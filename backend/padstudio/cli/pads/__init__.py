@@ -1,0 +1,1 @@
+"""Commands that make, check and amend pad files, one module each."""
