@@ -36,6 +36,7 @@ ORDER = (
     "simulate/radiance",
     "simulate",
     "vision/stage",
+    "vision/fusion",
     "vision/frame",
     "vision/cells",
     "vision/search",

@@ -14,6 +14,7 @@ from padstudio.pad.spec import Pad
 from padstudio.vision.baseline.method import Baseline
 from padstudio.vision.dense.method import Dense
 from padstudio.vision.dense.tracker import Tracker
+from padstudio.vision.fusion.detections import fused_detections
 from padstudio.vision.stage.detection import Detection, Method
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Recorder
@@ -74,13 +75,44 @@ class Detector:
         return _finish(stills.detect(bgr, recorder), frame, recorder)
 
     def track(
-        self, frames: Iterable[Image | YuvFrame], *, trace: bool = False
+        self,
+        frames: Iterable[Image | YuvFrame],
+        *,
+        times_s: Iterable[float | None] | None = None,
+        fuse: bool = True,
+        smooth: bool = False,
+        trace: bool = False,
     ) -> Iterator[Detection]:
         """Find the pad in a video's frames; the last pose helps the next.
 
         The cells are compared with the pad in every frame, so a lock that slips is noticed, and
         the frame is then looked at as a still. The paper's method looks at every frame so.
+
+        Poses are fused over time, each by its own covariance
+        (`padstudio.vision.fusion.pose_filter`). What a frame alone says stays in ``.single``, and
+        a frame without a pose gets none.
+
+        Parameters
+        ----------
+        frames : iterable of (H, W, 3) uint8, BGR, or YuvFrame
+        times_s : iterable of float or None, optional
+            When each was taken. Without times, or after one that is None, frames are taken to
+            follow each other thirty times a second.
+        fuse : bool
+            False gives every frame's own pose.
+        smooth : bool
+            Fuse with later frames, too: for recordings, as detections then come five to ten
+            seconds of frames late.
+        trace : bool
+            Keep every stage's output in the result.
         """
+        found = self._follow(frames, trace)
+        if not (fuse or smooth):
+            return found
+        return fused_detections(found, times_s, smooth=smooth)
+
+    def _follow(self, frames: Iterable[Image | YuvFrame], trace: bool) -> Iterator[Detection]:
+        """Each frame's own detection."""
         tracker = Tracker()
         for frame in frames:
             expected = tracker.expect() if self._baseline is None else None

@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.pose.covariance import (
     TILES,
     pose_covariance,
     tiles_of,
-    with_bend,
     with_picture_shift,
 )
 
@@ -93,23 +91,3 @@ def test_a_shift_of_the_picture_is_a_turn_of_the_camera():
     assert np.sqrt(found[3, 3]) * 1000 == pytest.approx(np.sqrt(found[4, 4]) * 1000)
     assert 0.01 < np.sqrt(found[3, 3]) * 1000 < 0.1
     np.testing.assert_array_equal(np.diag(found)[[0, 1, 2, 5]], 1e-12)
-
-
-def test_an_unsure_tilt_makes_the_height_unsure_in_the_second_order():
-    """Tilts that are not seen move the camera along an arc about the pad, not a straight line."""
-    rng = np.random.default_rng(6)
-    height, sigma, fine = 800.0, 0.01, 1e-5
-    pose = look_at_pad(height)
-    tilt = rng.normal(0, sigma, 2000)
-    errors = fine * rng.normal(size=(2000, 6))
-    errors[:, 0] += np.sin(tilt)
-    errors[:, 2] += np.cos(tilt) - 1
-    errors[:, 4] -= tilt
-    unit = np.array([height] * 3 + [1.0] * 3)
-    way = np.array([1.0, 0, 0, 0, -1.0, 0])
-    said = (np.eye(6) * fine**2 + sigma**2 * np.outer(way, way)) * np.outer(unit, unit)
-    bent = with_bend(said, pose)
-    assert nees(errors * unit, [said] * 2000) > 5
-    assert 0.5 < nees(errors * unit, [bent] * 2000) < 1.5
-    small = np.diag(unit**2) * 1e-12
-    np.testing.assert_allclose(with_bend(small, pose), small, rtol=1e-9, atol=1e-12)

@@ -112,7 +112,7 @@ def _detect(job: PictureJob) -> Detection:
             "the decoder gives no picture for this frame: its data are missing or damaged",
             code="frame_lost",
         )
-    *_, followed = detector.track((bgr for _, bgr in found), trace=True)
+    *_, followed = detector.track((bgr for _, bgr in found), fuse=False, trace=True)
     return _with_all_stages(followed, detector.detect(found[-1][1], trace=True))
 
 

@@ -214,7 +214,7 @@ def _track(
     readable: deque[int] = deque()
     while True:
         try:
-            for detection in detector.track(frames()):
+            for detection in detector.track(frames(), fuse=False):
                 yield from _lost_before(waiting, readable[0])
                 readable.popleft()
                 yield waiting.popleft(), detection

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from padstudio.geometry.curvature import with_curvature
 from padstudio.geometry.planar_pnp import ambiguity
 from padstudio.pad.spec import Layer
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.dense.whole_pad import WholeSign
-from padstudio.vision.pose.covariance import with_bend, with_picture_shift
+from padstudio.vision.pose.covariance import with_picture_shift
 from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import most_residual_px
 from padstudio.vision.pose.results import RefinedPose
@@ -47,7 +48,7 @@ def of_whole_sign(found: WholeSign, focal_px: float) -> Detection:
 
 def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
     covariance = with_picture_shift(fit.covariance, focal_px)
-    covariance = with_bend(covariance, fit.pose.pose)
+    covariance = with_curvature(covariance, fit.pose.pose)
     sigma = np.sqrt(np.diag(covariance))
     return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
 

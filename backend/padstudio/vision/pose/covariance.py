@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.geometry.pose import Pose
 
 #: Tiles a side over what was measured: 64 sums of scores for at most 12 parameters.
 TILES = 8
@@ -105,20 +104,4 @@ def with_picture_shift(covariance: Array, focal_px: float) -> Array:
     """A pose's covariance (6, 6) with what moves all of a picture alike: a turn of the camera."""
     out = covariance.copy()
     out[[3, 4], [3, 4]] += (_PICTURE_SHIFT_PX / focal_px) ** 2
-    return out
-
-
-def with_bend(covariance: Array, pose: Pose) -> Array:
-    """A pose's covariance (6, 6) with what its own size makes of it in the second order.
-
-    Where tilt and standing aside look alike, poses that fit lie on an arc about the pad rather than
-    on a line: a camera that is off by δ along it is nearer by δ²/2 of its distance, and turned
-    about its axis by as much.
-    """
-    axis = pose.rotation[:, 2]
-    bend = float(np.linalg.eigvalsh(covariance[3:, 3:])[-1]) / 2
-    along = bend * pose.position_mm[2] / max(-axis[2], 0.1) * axis
-    out = covariance.copy()
-    out[:3, :3] += np.outer(along, along)
-    out[5, 5] += bend**2
     return out

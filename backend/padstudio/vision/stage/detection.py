@@ -11,6 +11,8 @@ from padstudio.geometry.pose import Pose
 from padstudio.vision.stage.trace import StageFailure, Trace
 
 Method = Literal["dense", "paper"]
+#: What a pose rests on: one frame; it and those before it; those after it, too.
+Estimate = Literal["frame", "filtered", "smoothed"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,23 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
+class SinglePose:
+    """What a frame alone says, beside a pose that others were fused into.
+
+    Attributes
+    ----------
+    pose : Pose
+    uncertainty : Uncertainty
+    is_outlier : bool
+        It contradicts the frames about it and was not believed.
+    """
+
+    pose: Pose
+    uncertainty: Uncertainty
+    is_outlier: bool = False
+
+
+@dataclass(frozen=True)
 class Detection:
     """What the detector says of one frame.
 
@@ -51,6 +70,10 @@ class Detection:
     reprojection_px : float
         Root mean square of the residuals, pixels of the frame.
     uncertainty : Uncertainty or None
+    estimate : {"frame", "filtered", "smoothed"}
+        What `pose` and `uncertainty` rest on.
+    single : SinglePose or None
+        What the frame alone says, where they rest on more.
     ambiguity : float
         How well the mirrored planar pose explains the picture too, 0 (not at all) … 1 (alike).
     shift_mm, turn_rad : (3,) float64 or None
@@ -69,6 +92,8 @@ class Detection:
     log10_false_alarm: float = 0.0
     reprojection_px: float = 0.0
     uncertainty: Uncertainty | None = None
+    estimate: Estimate = "frame"
+    single: SinglePose | None = None
     ambiguity: float = 0.0
     shift_mm: Array | None = None
     turn_rad: Array | None = None
@@ -97,6 +122,9 @@ class Detection:
             }
         else:
             record |= {"status": "ok", **pose_fields(self.pose), **self._evidence()}
+            record |= {"estimate": self.estimate}
+            if self.single is not None:
+                record["single"] = single_fields(self.single)
         record["elapsed_ms"] = {name: round(ms, 3) for name, ms in self.elapsed_ms.items()}
         return record
 
@@ -123,4 +151,15 @@ def pose_fields(pose: Pose) -> dict[str, Any]:
         "heading_deg": pose.heading_deg,
         "tilt_deg": pose.tilt_deg,
         "euler_deg": list(pose.euler_deg),
+    }
+
+
+def single_fields(single: SinglePose) -> dict[str, Any]:
+    """A frame's own pose as JSON fields."""
+    return {
+        "position_mm": single.pose.position_mm.tolist(),
+        "quaternion_xyzw": single.pose.quaternion_xyzw.tolist(),
+        "position_sigma_mm": single.uncertainty.position_sigma_mm.tolist(),
+        "attitude_sigma_deg": single.uncertainty.attitude_sigma_deg.tolist(),
+        "is_outlier": single.is_outlier,
     }

@@ -1,0 +1,1 @@
+"""How poses of single frames go together over time: a filter without look-ahead, a smoother."""

@@ -1,0 +1,73 @@
+"""Detections of a video, with poses that are fused over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import chain, repeat
+
+import numpy as np
+
+from padstudio.arrays import Array
+from padstudio.vision.fusion.pose_filter import Fused, Measurement, PoseFilter
+from padstudio.vision.fusion.smoother import fuse
+from padstudio.vision.stage.detection import Detection, Estimate, SinglePose, Uncertainty
+
+#: From frame to frame, where nothing says when they were taken.
+UNKNOWN_STEP_S = 1 / 30
+
+
+def fused_detections(
+    detections: Iterable[Detection],
+    times_s: Iterable[float | None] | None = None,
+    *,
+    smooth: bool = False,
+    pose_filter: PoseFilter | None = None,
+) -> Iterator[Detection]:
+    """Detections in the order of time with fused poses.
+
+    Parameters
+    ----------
+    detections : iterable of Detection
+    times_s : iterable of float or None, optional
+        As of `padstudio.vision.detector.Detector.track`.
+    smooth : bool
+    pose_filter : PoseFilter, optional
+        Goes on from its state.
+    """
+    given = chain(() if times_s is None else times_s, repeat(None))
+    timed = zip(detections, filled_times(given), strict=False)
+    estimate: Estimate = "smoothed" if smooth else "filtered"
+    for (detection, _), fused in fuse(timed, _measure, pose_filter or PoseFilter(), smooth=smooth):
+        single, sigma = detection.pose, detection.uncertainty
+        if fused is None or single is None or sigma is None:
+            yield detection
+            continue
+        yield replace(
+            detection,
+            pose=fused.pose,
+            uncertainty=uncertainty_of(fused),
+            estimate=estimate,
+            single=SinglePose(single, sigma, fused.is_outlier),
+        )
+
+
+def filled_times(times_s: Iterable[float | None]) -> Iterator[float]:
+    """Times in which those that are not known follow the one before at `UNKNOWN_STEP_S`."""
+    last = -UNKNOWN_STEP_S
+    for time_s in times_s:
+        last = last + UNKNOWN_STEP_S if time_s is None else time_s
+        yield last
+
+
+def uncertainty_of(fused: Fused) -> Uncertainty:
+    """That of a fused pose."""
+    sigma: Array = np.sqrt(np.maximum(np.diag(fused.covariance), 0.0))
+    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), fused.covariance)
+
+
+def _measure(timed: tuple[Detection, float]) -> Measurement | None:
+    detection, time_s = timed
+    if detection.pose is None or detection.uncertainty is None:
+        return None
+    return Measurement(time_s, detection.pose, detection.uncertainty.covariance)
