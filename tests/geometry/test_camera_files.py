@@ -155,20 +155,37 @@ def test_a_file_without_distortion_is_a_pinhole():
     st.floats(1e-3, 1e6),
     st.text(max_size=30),
     st.booleans(),
+    st.none() | st.floats(0, 1000),
 )
-def test_what_is_written_is_read_back(lens, coefficients, focal_px, name, nominal):
+def test_what_is_written_is_read_back(lens, coefficients, focal_px, name, nominal, readout_ms):
     model, count = lens
     matrix = K.copy()
     matrix[0, 0] = focal_px
     camera = Camera(
-        1280, 960, matrix, coefficients[:count], model=model, name=name, nominal=nominal
+        1280, 960, matrix, coefficients[:count], model, name, nominal, readout_ms=readout_ms
     )
     back = Camera.loads(camera.to_ros_yaml())
     assert (back.width, back.height, back.model) == (1280, 960, model)
-    assert (back.name, back.nominal) == (name, nominal)
+    assert (back.name, back.nominal, back.readout_ms) == (name, nominal, readout_ms)
     np.testing.assert_array_equal(back.matrix, matrix)
     np.testing.assert_array_equal(back.distortion[:count], camera.distortion)
     assert not back.distortion[count:].any()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ROS + "readout_ms: 12.5\n",
+        KALIBR + "  readout_ms: 12.5\n",
+        json.dumps({**PHOTONVISION, "readout_ms": 12.5}),
+    ],
+)
+def test_every_kind_may_say_how_long_the_shutter_rolls(text):
+    assert Camera.loads(text).readout_ms == 12.5
+    assert Camera.loads(text).for_frame(640, 480).readout_ms == 12.5
+    assert Camera.loads(text.replace("12.5", "0")).readout_ms == 0
+    with pytest.raises(CameraFormatError, match="readout_ms"):
+        Camera.loads(text.replace("12.5", "-3"))
 
 
 def test_save_and_load(tmp_path):

@@ -9,6 +9,7 @@ from padstudio.vision.pose import (
     alignment_kernel,
     edge_points_kernel,
     least_squares_kernel,
+    row_motion_kernel,
 )
 from padstudio.vision.search import search_kernel
 
@@ -20,6 +21,7 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         edge_points_kernel,
         cells_kernel,
         least_squares_kernel,
+        row_motion_kernel,
         alignment_kernel,
         pixels_kernel,
         planar_pnp_kernel,
@@ -38,7 +40,9 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         pixels_kernel.impulses,
         least_squares_kernel.fit,
         planar_pnp_kernel.fit_points,
-        least_squares_kernel.information,
+        least_squares_kernel.scatter,
+        row_motion_kernel.row_sums,
+        row_motion_kernel.noise_sums,
         alignment_kernel.match_pattern,
         alignment_kernel.blurred_cells,
         search_kernel.climb,

@@ -58,6 +58,7 @@ MethodName = Annotated[
 Unmix = Annotated[
     bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
 ]
+AtRest = Annotated[bool, typer.Option("--at-rest", help="The camera stood still, as on a tripod.")]
 Jobs = Annotated[
     int,
     typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
@@ -83,6 +84,7 @@ def detect(
     output: Output = "-",
     method: MethodName = "dense",
     unmix: Unmix = True,
+    at_rest: AtRest = False,
     jobs: Jobs = 0,
     stride: Stride = 1,
     apply_rotation: Rotation = True,
@@ -101,7 +103,8 @@ def detect(
     if not os.environ.get("PADSTUDIO_DEBUG"):
         # A defect is one line like other errors; its traceback is for who looks for it.
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
-    recipe = _recipe(pad, camera, method, unmix)
+    settings = {"prepare": {"unmix": unmix}, "refine": {"at_rest": at_rest}}
+    recipe = _recipe(pad, camera, method, settings)
     paths = find_frames(frames)
     with _writer(output, resume=resume, force=force) as (file, earlier):
         pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
@@ -118,13 +121,14 @@ def detect(
         raise typer.Exit(EXIT_NOTHING_FOUND)
 
 
-def _recipe(pad: Path, camera: str, method: Literal["dense", "paper"], unmix: bool) -> Recipe:
+def _recipe(
+    pad: Path, camera: str, method: Literal["dense", "paper"], params: dict[str, Any]
+) -> Recipe:
     the_camera = load_camera(camera)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
     content = Pad.load(pad).dumps()
-    params = json.dumps({"prepare": {"unmix": unmix}})
-    return Recipe(content, the_camera.to_ros_yaml(), method, params)
+    return Recipe(content, the_camera.to_ros_yaml(), method, json.dumps(params))
 
 
 def _write(record: dict[str, Any], file: IO[str]) -> Figures:

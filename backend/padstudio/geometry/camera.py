@@ -23,6 +23,8 @@ _ASPECT_TOLERANCE = 2e-3
 # Rays are measured on up to 85 degrees from the axis: beyond, a pixel spans more of the plane z = 1
 # than all pixels within. A pixel whose ray leads back to within this of it, pixels, has that ray.
 _WIDEST, _SAME_PX = 11.43, 0.1
+#: Reading a frame takes no longer than a slow frame rate's whole period.
+MAX_READOUT_MS = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +45,8 @@ class Camera:
         True where the intrinsics come from a data sheet rather than a calibration.
     scale : float
         1.0, or the factor by which `for_frame` scaled a calibration made at another size.
+    readout_ms : float or None
+        From the first row's exposure to the last row's; 0 is a global shutter, None is unknown.
     """
 
     width: int
@@ -53,6 +57,7 @@ class Camera:
     name: str = "camera"
     nominal: bool = False
     scale: float = 1.0
+    readout_ms: float | None = None
 
     def __post_init__(self) -> None:
         matrix = np.array(self.matrix, float)
@@ -76,6 +81,10 @@ class Camera:
             )
         if not np.isfinite(distortion).all():
             raise CameraFormatError("the distortion coefficients must be finite numbers")
+        if self.readout_ms is not None and not 0 <= self.readout_ms <= MAX_READOUT_MS:
+            raise CameraFormatError(
+                f"readout_ms is {self.readout_ms:g}; give 0 (global shutter) … {MAX_READOUT_MS:g}"
+            )
         matrix.setflags(write=False)
         distortion.setflags(write=False)
         object.__setattr__(self, "matrix", matrix)
@@ -115,7 +124,7 @@ class Camera:
 
         fields = camera_files.parse(data, name)
         with camera_files.naming(name):
-            return cls(*fields)
+            return cls(**fields._asdict())
 
     def save(self, path: str | Path) -> None:
         """Write a ROS ``camera_info`` YAML file."""
@@ -125,12 +134,14 @@ class Camera:
         """The camera as ROS ``camera_info`` YAML, which `loads` reads back.
 
         Fewer than the five coefficients of ``plumb_bob`` are filled up with zeros, which is the
-        same lens. A nominal camera carries the key ``nominal``, which ROS ignores.
+        same lens. The keys ``nominal`` and ``readout_ms`` stand where they say something; ROS
+        ignores them.
         """
         from padstudio.geometry import camera_files
 
         fields = (self.width, self.height, self.matrix, self.distortion, self.model)
-        return camera_files.ros_yaml(camera_files.CameraFields(*fields, self.name, self.nominal))
+        said = (self.name, self.nominal, self.readout_ms)
+        return camera_files.ros_yaml(camera_files.CameraFields(*fields, *said))
 
     @property
     def distorted(self) -> bool:

@@ -13,6 +13,9 @@ What each kind looks like:
   ``distortion_coeffs``, ``resolution`` (github.com/ethz-asl/kalibr/wiki/yaml-formats).
 - PhotonVision's calibration JSON: ``resolution``, ``cameraIntrinsics``, ``distCoeffs``,
   ``lensmodel``.
+
+Each may say ``readout_ms`` besides (in Kalibr's under ``cam0``): how long a rolling shutter takes
+from the first row to the last, 0 for a global shutter.
 """
 
 from __future__ import annotations
@@ -62,6 +65,7 @@ class CameraFields(NamedTuple):
     model: LensModel
     name: str
     nominal: bool
+    readout_ms: float | None
 
 
 @contextmanager
@@ -124,6 +128,7 @@ def ros_yaml(camera: CameraFields) -> str:
         f"image_height: {camera.height}",
         f"camera_name: {_quoted(camera.name)}",
         *(["nominal: true"] if camera.nominal else []),
+        *([] if camera.readout_ms is None else [f"readout_ms: {_number(camera.readout_ms)}"]),
         *_matrix_lines("camera_matrix", camera.matrix),
         f"distortion_model: {model}",
         *_matrix_lines("distortion_coefficients", np.array([coefficients])),
@@ -139,9 +144,13 @@ def _quoted(text: str) -> str:
 
 def _matrix_lines(key: str, matrix: Array) -> list[str]:
     rows, cols = matrix.shape
-    # YAML 1.1 wants a point in a number with an exponent; repr leaves it out of "1e-05".
-    numbers = [re.sub(r"^(-?\d+)e", r"\1.0e", repr(float(v))) for v in matrix.ravel()]
+    numbers = [_number(value) for value in matrix.ravel()]
     return [f"{key}:", f"  rows: {rows}", f"  cols: {cols}", f"  data: [{', '.join(numbers)}]"]
+
+
+def _number(value: float) -> str:
+    # YAML 1.1 wants a point in a number with an exponent; repr leaves it out of "1e-05".
+    return re.sub(r"^(-?\d+)e", r"\1.0e", repr(float(value)))
 
 
 def _from_values(values: Data, stem: str) -> CameraFields:
@@ -173,6 +182,7 @@ def _from_opencv(values: Data, stem: str) -> CameraFields:
         model=model,
         name=str(plain.get("cameraname", stem)),
         nominal=_flag(plain.get("nominal")),
+        readout=plain.get("readoutms"),
     )
 
 
@@ -211,6 +221,7 @@ def _from_kalibr(values: Data, chain: list[str]) -> CameraFields:
         distortion=camera.get("distortion_coeffs", []),
         model=str(camera.get("distortion_model", "none")).lower(),
         name=str(camera.get("rostopic", chain[0])),
+        readout=camera.get("readout_ms"),
     )
 
 
@@ -224,11 +235,19 @@ def _from_photonvision(values: Data, stem: str) -> CameraFields:
         distortion=distortion,
         model=re.sub(r"^lensmodel_|\d+$", "", lens.lower()),
         name=stem,
+        readout=values.get("readout_ms"),
     )
 
 
 def _fields(
-    *, size: Any, matrix: Array, distortion: Any, model: str, name: str, nominal: bool = False
+    *,
+    size: Any,
+    matrix: Array,
+    distortion: Any,
+    model: str,
+    name: str,
+    nominal: bool = False,
+    readout: Any = None,
 ) -> CameraFields:
     if model not in _MODELS:
         raise CameraFormatError(
@@ -255,6 +274,7 @@ def _fields(
         model=_MODELS[model],
         name=name[:200],
         nominal=nominal,
+        readout_ms=None if readout is None else float(_numbers([readout], "readout_ms")[0]),
     )
 
 

@@ -17,6 +17,10 @@ format equivalent", image sizes, video resolutions); Apple's and Google's techni
 of the phones' main cameras; Logitech's of the webcams' diagonal fields of view; Raspberry Pi's
 camera hardware documentation (module 2: 3.04 mm, 1.12 um; module 3: 4.74 mm, 1.4 um).
 
+Readout times of the Raspberry Pi's modules follow from the Linux kernel's drivers, line length over
+pixel rate times rows: imx219.c, 3448 / 182.4 MHz x 2464; imx708.c, 15648 / 595.2 MHz x 2592 (full
+resolution). Makers of the others do not tell theirs; drones' differ from mode to mode.
+
 The Mini 2's 2.7K video is the camera of the double-layer pad's flights: 24 mm equivalent on a
 4000 x 3000 still of 5000 px diagonal gives 2773.5 px, times 2720 / 4000 gives 1886 px.
 """
@@ -80,11 +84,19 @@ def get(preset_id: str) -> Preset:
         ) from None
 
 
-def _preset(slug: str, name: str, width: int, height: int, focal_px: float) -> Preset:
+def _preset(
+    slug: str,
+    name: str,
+    size: tuple[int, int],
+    focal_px: float,
+    readout_ms: float | None = None,
+) -> Preset:
+    width, height = size
     matrix = np.array(
         [[focal_px, 0.0, (width - 1) / 2], [0.0, focal_px, (height - 1) / 2], [0.0, 0.0, 1.0]]
     )
-    return Preset(f"preset-{slug}", Camera(width, height, matrix, name=name, nominal=True))
+    camera = Camera(width, height, matrix, name=name, nominal=True, readout_ms=readout_ms)
+    return Preset(f"preset-{slug}", camera)
 
 
 def _equivalent(
@@ -96,12 +108,12 @@ def _equivalent(
 ) -> list[Preset]:
     """The still camera and the video modes that scale its full width."""
     focal_px = f35_mm / _NEGATIVE_DIAGONAL_MM * math.hypot(*still)
-    made = [_preset(f"{slug}-still", f"{name}, still", *still, focal_px)]
+    made = [_preset(f"{slug}-still", f"{name}, still", still, focal_px)]
     made += [
         _preset(
             f"{slug}-{mode.lower().replace('.', '')}",
             f"{name}, {mode} video",
-            *size,
+            size,
             focal_px * size[0] / still[0],
         )
         for mode, size in videos.items()
@@ -111,7 +123,7 @@ def _equivalent(
 
 def _diagonal(slug: str, name: str, size: tuple[int, int], view_deg: float) -> Preset:
     focal_px = math.hypot(*size) / 2 / math.tan(math.radians(view_deg) / 2)
-    return _preset(slug, name, *size, focal_px)
+    return _preset(slug, name, size, focal_px)
 
 
 _4K, _27K, _1080P = (3840, 2160), (2720, 1530), (1920, 1080)
@@ -120,7 +132,7 @@ _4K, _27K, _1080P = (3840, 2160), (2720, 1530), (1920, 1080)
 PRESETS: dict[str, Preset] = {
     preset.id: preset
     for preset in [
-        _preset("dji-mini-27k", "DJI Mini 2, 2.7K video", *_27K, 1886.0),
+        _preset("dji-mini-27k", "DJI Mini 2, 2.7K video", _27K, 1886.0),
         *_equivalent("dji-mini-2", "DJI Mini 2", 24, (4000, 3000), {"4K": _4K, "1080p": _1080P}),
         *_equivalent(
             "dji-mini-3-pro", "DJI Mini 3 Pro, 4 Pro", 24, (4032, 3024), {"4K": _4K, "2.7K": _27K}
@@ -135,7 +147,19 @@ PRESETS: dict[str, Preset] = {
         _diagonal("webcam-c920", "Logitech C920, 1080p", _1080P, 78.0),
         _diagonal("webcam-c930e", "Logitech C930e, 1080p", _1080P, 90.0),
         _diagonal("webcam-c270", "Logitech C270, 720p", (1280, 720), 55.0),
-        _preset("raspberry-pi-2", "Raspberry Pi camera module 2", 3280, 2464, 3.04e3 / 1.12),
-        _preset("raspberry-pi-3", "Raspberry Pi camera module 3", 4608, 2592, 4.74e3 / 1.4),
+        _preset(
+            "raspberry-pi-2",
+            "Raspberry Pi camera module 2",
+            (3280, 2464),
+            3.04e3 / 1.12,
+            readout_ms=46.6,
+        ),
+        _preset(
+            "raspberry-pi-3",
+            "Raspberry Pi camera module 3",
+            (4608, 2592),
+            4.74e3 / 1.4,
+            readout_ms=68.1,
+        ),
     ]
 }

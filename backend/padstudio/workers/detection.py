@@ -19,7 +19,7 @@ from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import stages as overlays
 from padstudio.vision.stage.detection import Detection, Method
-from padstudio.vision.stage.params import DetectorParams, PrepareParams
+from padstudio.vision.stage.params import DetectorParams, PrepareParams, RefineParams
 from padstudio.vision.stage.trace import StageRecord, Trace
 
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -52,6 +52,8 @@ class Job:
         Limit on the picture.
     unmix : bool
         Un-mix the colours where the pad knows their mixture.
+    at_rest : bool
+        The camera stood still.
     pictures : Path or None
         An empty folder for the stage pictures; None where no trace is wanted.
     """
@@ -63,6 +65,7 @@ class Job:
     method: Method
     max_pixels: int
     unmix: bool = True
+    at_rest: bool = False
     pictures: Path | None = None
 
 
@@ -85,7 +88,7 @@ def analyze(job: Job) -> dict[str, Any]:
     """
     image = images.decode(job.image, job.max_pixels)
     height, width = image.shape[:2]
-    detector = _detector(job.pad, job.camera, job.method, job.unmix)
+    detector = _detector(job.pad, job.camera, job.method, (job.unmix, job.at_rest))
     camera = detector.camera.for_frame(width, height)
     detection = detector.detect(image, trace=job.pictures is not None)
     stages = None
@@ -101,8 +104,11 @@ def analyze(job: Job) -> dict[str, Any]:
 
 # The index of a large pad takes longer to build than a picture to read.
 @lru_cache(maxsize=4)
-def _detector(pad: str, camera: str, method: Method, unmix: bool) -> Detector:
-    params = DetectorParams(prepare=PrepareParams(unmix=unmix))
+def _detector(pad: str, camera: str, method: Method, switches: tuple[bool, bool]) -> Detector:
+    unmix, at_rest = switches
+    params = DetectorParams(
+        prepare=PrepareParams(unmix=unmix), refine=RefineParams(at_rest=at_rest)
+    )
     return Detector(Pad.loads(pad), Camera.loads(camera), method=method, params=params)
 
 

@@ -28,6 +28,7 @@
  * @property {string} model
  * @property {number[]} distortion
  * @property {boolean} nominal
+ * @property {number | null} [readout_ms]  first row to last; 0 is a global shutter
  * @property {string} [note]
  */
 

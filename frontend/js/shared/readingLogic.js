@@ -44,7 +44,13 @@ export function cameraNote(camera) {
   if (!camera) return "";
   const lens = camera.model === "fisheye" ? "fisheye" : lensInWords(camera.distortion);
   const nominal = camera.nominal ? "; nominal, calibrate for accuracy" : "";
-  return `focal length ${number(camera.focal_px, 1)} px, ${lens}${nominal}`;
+  return `focal length ${number(camera.focal_px, 1)} px, ${lens}${shutterInWords(camera)}${nominal}`;
+}
+
+/** @param {CameraSummary} camera  the shutter, where its file says what it is */
+function shutterInWords({ readout_ms: readout = null }) {
+  if (readout === null) return "";
+  return readout === 0 ? ", global shutter" : `, shutter rolls ${number(readout, 1)} ms`;
 }
 
 /** @param {number[]} distortion */

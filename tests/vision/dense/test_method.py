@@ -1,5 +1,6 @@
 """The dense method as a whole, against the truth of simulated frames."""
 
+from dataclasses import replace
 from functools import cache
 
 import cv2
@@ -148,17 +149,36 @@ def test_motion_blur(height_mm, pixels):
     found_well(detector().detect(blurred(pose, pixels)), pose, percent=1.0, degrees=0.5)
 
 
-def test_a_shutter_that_does_not_roll_leaves_less_in_doubt():
+def sigma_of(image, camera=None, **refine):
+    params = DetectorParams(refine=RefineParams(**refine))
+    found = Detector(sample_pad(), camera or small_camera(), params=params).detect(image)
+    assert found.uncertainty is not None
+    return found.uncertainty
+
+
+def test_what_may_roll_leaves_in_doubt_what_motion_shows():
+    """A camera that drifts may sink as well, which looks like tilt; one at rest does not."""
     pose = look_at_pad(500.0, tilt_deg=10, heading_deg=70)
-    image = frame_of(pose, camera=small_camera())
-    params = DetectorParams(refine=RefineParams(motion=False))
-    whole = Detector(sample_pad(), small_camera(), params=params).detect(image)
-    either = detector().detect(image)
-    assert whole.uncertainty is not None
-    assert either.uncertainty is not None
-    ratio = either.uncertainty.position_sigma_mm / whole.uncertainty.position_sigma_mm
-    assert ratio.max() > 3
-    assert np.linalg.norm(whole.pose.position_mm - pose.position_mm) < 1.0
+    motion = Motion(velocity_mm_s=(60.0, -40.0, 0.0), angular_deg_s=(4.0, -6.0, 8.0))
+    imaging = Imaging(exposure_ms=2.0, readout_ms=20.0)
+    scene, camera = Scene(pad=sample_pad()), small_camera()
+    drifting = render(scene, camera, pose, imaging, motion=motion).image
+    assert sigma_of(frame_of(pose, camera=camera)).position_sigma_mm.max() < 0.5
+    assert sigma_of(drifting).position_sigma_mm.max() > 2.5
+    # Reading the frame takes so little time that nobody can sink far.
+    quick = sigma_of(drifting, replace(camera, readout_ms=2.0)).position_sigma_mm.max()
+    assert quick < 0.3 * sigma_of(drifting).position_sigma_mm.max()
+
+
+def test_a_global_shutter_and_a_camera_at_rest_have_no_such_doubt():
+    pose = look_at_pad(500.0, tilt_deg=10, heading_deg=70)
+    camera = replace(small_camera(), readout_ms=0.0)
+    image = blurred(pose, 5.0)
+    shut, rest = sigma_of(image, camera), sigma_of(image, at_rest=True)
+    for sigma in (shut, rest, sigma_of(image, motion=False)):
+        assert sigma.position_sigma_mm.max() < 0.5
+    # Where the camera is by the middle of a blur, only rest tells.
+    assert shut.attitude_sigma_deg.max() > 3 * rest.attitude_sigma_deg.max()
 
 
 def test_the_uncertainty_is_that_of_the_error():

@@ -26,15 +26,24 @@ def step_of(window, sign, at=30.0):
 def test_a_step_is_found_across_its_border(sign, shift_px):
     x = np.arange(60.0)
     values = np.tile(100 + sign * 60 * np.tanh((x - 30 - shift_px) / 1.2), (50, 1))
-    shift, rise, spent = step_in(values, sign)
+    shift, _, rise, spent = step_in(values, sign)
     assert shift * 6 == pytest.approx(shift_px, abs=0.05)
     assert rise == pytest.approx(spent, rel=1e-6)
     assert rise == pytest.approx(120, rel=0.05)
 
 
+@pytest.mark.parametrize("blur_px", [1.0, 1.5, 2.0])
+def test_the_width_of_a_step_is_that_of_its_blur(blur_px):
+    x = np.arange(60.0)
+    blurred = [math.erf((place - 30.3) / blur_px / math.sqrt(2)) for place in x]
+    values = np.tile(110 + 70 * np.array(blurred), (50, 1))
+    _, width, _, _ = step_in(values, 1.0)
+    assert width * 36 == pytest.approx(blur_px**2 + edge_points_kernel._SMOOTHED * 36, rel=0.15)
+
+
 def test_a_step_of_the_wrong_sign_is_none():
     values = np.tile(np.where(np.arange(60) > 30, 200, 20), (50, 1))
-    _, rise, spent = step_in(values, -1.0)
+    _, _, rise, spent = step_in(values, -1.0)
     assert rise == 0
     assert spent > 100
 
@@ -56,7 +65,7 @@ def test_a_step_in_brightness_and_colour_is_found_where_both_have_it(level):
     colours = np.tile(np.round(120 + 40 * (half if level == 0 else wide)), (50, 1))
     scale, shift = (0.5, -0.25) if level == 0 else (1.0, 0.0)
     window = Window(bright, colours.astype(np.uint8), 60, 1.0, weight=1.4, scale=scale, shift=shift)
-    found, rise, spent = step_of(window, 1.0)
+    found, _, rise, spent = step_of(window, 1.0)
     assert found * 6 == pytest.approx(0.8, abs=0.06)
     assert rise == pytest.approx(2 * (15 + 1.4 * 40), rel=0.1)
     assert spent == pytest.approx(rise, rel=0.02)
@@ -80,5 +89,5 @@ def test_sharp_steps_are_not_drawn_to_the_pixels(blur_px):
     for at in np.linspace(30, 31, 9):
         edge = [math.erf((x - at) / (blur_px * math.sqrt(2))) for x in range(60)]
         values = np.tile(100 + 60 * np.array(edge), (50, 1))
-        shift, _, _ = step_in(values, 1.0, at)
+        shift, *_ = step_in(values, 1.0, at)
         assert shift * 6 == pytest.approx(0, abs=0.1 if blur_px < 0.8 else 0.025)

@@ -76,16 +76,3 @@ def test_turns_are_those_of_rodrigues(seed, size):
     rotation = random_pose(rng, 700.0).rotation
     expected = rotation @ cv2.Rodrigues(turn)[0]
     np.testing.assert_allclose(least_squares_kernel.turned(rotation, turn), expected, atol=1e-9)
-
-
-@given(seed=st.integers(0, 10**6), size=st.sampled_from([6, 12]))
-def test_scores_are_the_right_sides_parts(seed, size):
-    rng = np.random.default_rng(seed)
-    rows, row_time, weight = rng.normal(size=(60, 7)), rng.uniform(-1, 1, 60), rng.uniform(0, 1, 60)
-    tile = rng.integers(0, 9, 60)
-    parts = least_squares_kernel.scores(rows, row_time, weight, tile, 9, size)
-    jacobian = np.column_stack([rows[:, 1:], rows[:, 1:] * row_time[:, None]])[:, :size]
-    for number in range(9):
-        here = tile == number
-        plain = (weight[here] * rows[here, 0]) @ jacobian[here]
-        np.testing.assert_allclose(parts[number], plain, atol=1e-12)

@@ -20,7 +20,7 @@ from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.regions import Region, sharper
 from padstudio.vision.outline.quadrilateral import Outline, another_sign, find_outline
 from padstudio.vision.pose.image_alignment import Match
-from padstudio.vision.pose.least_squares import Fit, MotionModel
+from padstudio.vision.pose.least_squares import Fit
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -109,7 +109,7 @@ def _matched(
 ) -> WholeSign | None:
     refine = refiner.params.refine
     match = Match.of(refiner.pyramid, refiner.camera, refiner.pad, start, refine.most_pixels)
-    fit = match and match.fit(start, MotionModel(moving=False, rolling=refine.motion), rough=rough)
+    fit = match and match.fit(start, refiner.model(moving=False), rough=rough)
     read = fit and _read_coarse(refiner, fit.pose)
     return WholeSign(fit, read, outline) if fit and read else None
 

@@ -24,6 +24,9 @@ from padstudio.arrays import Array
 TILES = 8
 # Scatter over what independent residuals would have; fewer tiles than needed may show less.
 _LEAST_SCATTER = 0.5
+# Robustly weighted residuals of a normal law scatter by 0.4; fewer show less by chance. Residuals
+# near each other raise that by no more than such a factor.
+_LEAST_NOISE, _MOST_ALIKE = 0.35, 1.3
 # A covariance grows by no more than the inverse of this, as of `newton_share`.
 _LEAST_SHARE = 0.3
 # Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
@@ -51,6 +54,26 @@ def newton_share(weight: Array, trust: Array | float = 1.0) -> float:
 def least_share(share: float) -> float:
     """A share as of `newton_share`, where few residuals may not make it absurdly small."""
     return max(share, _LEAST_SHARE)
+
+
+def noise_share(normal: Array, squares: Array, scores: Array, count: int) -> float:
+    """Scatter of scores over that of residuals as large and as independent as assumed.
+
+    Parameters
+    ----------
+    normal, squares : (6, 6) float64
+        Of the pose: normal matrix, and the sum of squared scores.
+    scores : (T, 6) float64
+        Sums of scores by tile.
+    count : int
+        Residuals.
+    """
+    root = _inverse_root(normal)
+    used = int(np.count_nonzero(scores.any(axis=1)))
+    alone = np.einsum("ai,ab,bi->", root, squares, root) * count / max(count - 6, 1)
+    near = ((scores @ root) ** 2).sum() * used / max(used - 6, 1)
+    # Few tiles tell by chance a half more or less than there is.
+    return max(_LEAST_NOISE, float(alone) / 6, min(float(near), _MOST_ALIKE * float(alone)) / 6)
 
 
 def tiles_of(xy: Array) -> NDArray[np.intp]:

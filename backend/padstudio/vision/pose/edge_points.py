@@ -42,11 +42,18 @@ class EdgePoints:
         Where the steps lie, frame pixels.
     weight : (N,) float64
         Relative trust, 0 … 1.
+    blur_px2 : (N,) float64
+        By how much the variances of the steps' widths exceed those of a sharp picture, frame pixels
+        squared.
+    pixel : float
+        Side of a pixel of the picture that they were found in, frame pixels.
     """
 
     borders: Borders
     xy: Array
     weight: Array
+    blur_px2: Array
+    pixel: float = 1.0
 
     def thinned(self, most: int) -> EdgePoints:
         """At most ``most`` of them, evenly spread."""
@@ -54,7 +61,8 @@ class EdgePoints:
         if stride <= 1:
             return self
         which = np.arange(0, len(self.xy), stride)
-        return EdgePoints(self.borders.take(which), self.xy[which], self.weight[which])
+        borders, weight = self.borders.take(which), self.weight[which]
+        return EdgePoints(borders, self.xy[which], weight, self.blur_px2[which], self.pixel)
 
 
 def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
@@ -118,7 +126,7 @@ def find_edge_points(
     reach_px : float
         Half length of a profile, pixels of the window; never more than 0.42 of a cell.
     """
-    which, xy, weight = edge_points_kernel.find_borders(
+    which, xy, weight, blur = edge_points_kernel.find_borders(
         borders, pose.projector(camera), window, reach_px
     )
-    return EdgePoints(borders.take(which), xy, weight)
+    return EdgePoints(borders.take(which), xy, weight, blur, window.pixel)

@@ -20,6 +20,12 @@ _STEPS, _BESIDE_LINES = 13, 3
 # How often a profile is averaged with its neighbours, 1 : 2 : 1; together as by a Gaussian of 1.2
 # samples, below which sharp steps are drawn to the pixels.
 _SMOOTHINGS = 3
+# Variances of a step's width: what smoothing adds, in reaches squared; areas of pixels, and what
+# lies between them, in pixels of the window squared; and lens, mosaic and colours at half the scale
+# of a sharp picture, in frame pixels squared. A profile's ends leave no more room than a share of
+# its reach squared, and below a reach of so many pixels show less of a blur.
+_SMOOTHED = (_SMOOTHINGS / 2 + 1 / 12) * (2 / (_STEPS - 1)) ** 2
+_SAMPLED, _SHARP, _ROOM, _WHOLE_PX = 0.34, 1.8, 0.25, 4.0
 # Profiles are averaged over lines to this share of half a cell on either side.
 _BESIDE = 0.5
 # Profiles never reach further than this share of a cell: beyond the half they meet the next border.
@@ -124,8 +130,12 @@ def add_profile(
 @fast_jit
 def find_step(
     window: Window, profile: Profile, sign: float, values: Array
-) -> tuple[float, float, float]:
-    """Where along a profile a step lies, in units of its reach; its rise, and all slope spent.
+) -> tuple[float, float, float, float]:
+    """Where along a profile a step lies and the variance of its width, in units of its reach; its
+    rise, and all slope spent.
+
+    The width is that of a Gaussian with the same spread of squared slopes, which noise hardly
+    touches; a profile's smoothing is in it.
 
     The profile and the lines beside it must lie within the picture; ``values`` (_STEPS,) is
     overwritten.
@@ -144,15 +154,20 @@ def find_step(
             here = values[k]
             values[k] = (before + 2 * here + values[k + 1]) / 4
             before = here
-    rise = spent = weighted = power = 0.0
+    rise = spent = weighted = power = spread = 0.0
     for k in range(1, _STEPS):
         slope = (values[k] - values[k - 1]) * sign
         spent += abs(slope)
         if slope > 0:
             rise += slope
+            at = -1 + (2 * k - 1) / (_STEPS - 1)
             power += slope * slope
-            weighted += slope * slope * (-1 + (2 * k - 1) / (_STEPS - 1))
-    return (weighted / power if power > 0 else 0.0), rise, spent
+            weighted += slope * slope * at
+            spread += slope * slope * at * at
+    if power <= 0:
+        return 0.0, 0.0, rise, spent
+    middle = weighted / power
+    return middle, 2 * (spread / power - middle * middle), rise, spent
 
 
 @fast_jit
@@ -178,11 +193,13 @@ def sides_of(
 @fast_jit
 def find_borders(
     borders: Borders, camera: Projector, window: Window, reach_px: float
-) -> tuple[NDArray[np.intp], Array, Array]:
-    """Steps near predicted borders: which were found, where (M, 2), and their weights (M,)."""
+) -> tuple[NDArray[np.intp], Array, Array, Array]:
+    """Steps near predicted borders: which were found, where (M, 2), their weights and by how much
+    the variances of their widths exceed a sharp picture's, frame pixels squared (M,)."""
     points, across, along, step = borders
     h, w = len(window.values), window.width
     which, off = np.empty(len(points), np.intp), np.empty(len(points))
+    blur = np.empty(len(points))
     xy, weight, normals = np.empty((len(points), 2)), np.empty(len(points)), np.empty_like(points)
     found, pixel, values = 0, window.pixel, np.empty(_STEPS)
     for i in range(len(points)):
@@ -199,7 +216,7 @@ def find_borders(
         rim = math.hypot(reach, _BESIDE * math.hypot(tx, ty)) / pixel + 1
         if not (lx > rim and ly > rim and lx < w - 1 - rim and ly < h - 1 - rim):
             continue
-        shift, rise, spent = find_step(
+        shift, width, rise, spent = find_step(
             window,
             Profile(
                 (lx, ly),
@@ -213,6 +230,7 @@ def find_borders(
         trust = clean * clean * min(1.0, rise / _CLEAR_STEP)
         if trust > _LEAST_WEIGHT:
             which[found], weight[found], off[found] = i, trust, shift * reach
+            blur[found] = excess_width(width * reach * reach, reach, pixel)
             xy[found, 0], xy[found, 1] = px, py
             normals[found, 0], normals[found, 1] = nx, ny
             found += 1
@@ -221,7 +239,15 @@ def find_borders(
     for k in range(found):
         xy[k, 0] += off[k] * normals[k, 0]
         xy[k, 1] += off[k] * normals[k, 1]
-    return which, xy[:found], weight[:found]
+    return which, xy[:found], weight[:found], blur[:found]
+
+
+@fast_jit
+def excess_width(width: float, reach: float, pixel: float) -> float:
+    """By how much a step's variance of width, frame pixels squared, exceeds a sharp picture's."""
+    square = reach * reach
+    sharp = _SMOOTHED * square + _SAMPLED * pixel * pixel + min(_SHARP, _ROOM * square)
+    return (width - sharp) / min(1.0, square / (_WHOLE_PX * _WHOLE_PX))
 
 
 @fast_jit

@@ -155,7 +155,11 @@ class Match:
         if pose is None:
             return None
         settled, everything = pose, np.ones(len(self._all.row_time), bool)
-        return Fit(settled, self._rms_px, everything, lambda: self._covariance(settled, prior))
+
+        def explain() -> tuple[MovingPose, Array]:
+            return settled, self._covariance(settled, prior)
+
+        return Fit(settled, self._rms_px, everything, explain)
 
     def _find_brightness(self, pose: MovingPose) -> None:
         """Brightness at a pose, as if the pose were right."""

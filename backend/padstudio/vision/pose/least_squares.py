@@ -30,14 +30,11 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, row_times
 from padstudio.vision.pose import least_squares_kernel
-from padstudio.vision.pose.covariance import (
-    TILES,
-    newton_share,
-    pose_covariance,
-    tiles_of,
-)
+from padstudio.vision.pose.covariance import pose_covariance
 from padstudio.vision.pose.edge_points import LEAST_BORDERS, EdgePoints
 from padstudio.vision.pose.least_squares_kernel import Sightings
+from padstudio.vision.pose.pose_posterior import explain_edges
+from padstudio.vision.pose.row_motion import MotionBounds
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
 # of attitude in radians. A landing drone's 0.5 m/s at 2 m and 10°/s in 20 ms are of this size.
@@ -56,6 +53,8 @@ _MOTION_GAIN = 40.0
 _CHANCE_GAIN = 6.0
 # What lens, sensor and ink leave over near the ground is no motion, however well it is measured.
 _LEAST_RMS_PX = 0.06
+# A tone curve draws steps toward the dark by about so many pixels of the picture.
+_BIAS = 0.3
 # Fewer inliers do not bear out six unknowns.
 _LEAST_INLIERS = 10
 
@@ -71,8 +70,8 @@ class Fit:
         Root mean square of the weighted residuals, frame pixels.
     inliers : (N,) bool
         Which of the measured borders, or of the matched pixels, count.
-    find_covariance : callable
-        Makes `covariance`; few fits are ever asked for it.
+    explain : callable
+        Makes the pose and the covariance of `settled`; few fits are ever asked for it.
     doubt : (6,) float64
         By how much the model that was not chosen disagrees, in the covariance's units, as far as
         it may be right.
@@ -81,13 +80,22 @@ class Fit:
     pose: MovingPose
     rms_px: float
     inliers: NDArray[np.bool_]
-    find_covariance: Callable[[], Array]
+    explain: Callable[[], tuple[MovingPose, Array]]
     doubt: Array = field(default_factory=lambda: np.zeros(6))
 
     @cached_property
     def covariance(self) -> Array:
         """(6, 6) float64: centre (mm, pad frame), then attitude (radians, camera axes)."""
-        return self.find_covariance() + np.outer(self.doubt, self.doubt)
+        return self._explained[1] + np.outer(self.doubt, self.doubt)
+
+    @cached_property
+    def _explained(self) -> tuple[MovingPose, Array]:
+        return self.explain()
+
+    def settled(self) -> Fit:
+        """With the pose that `covariance` is of: the mean over all motions that may be."""
+        explained = self._explained
+        return replace(self, pose=explained[0], explain=lambda: explained)
 
 
 @dataclass(frozen=True)
@@ -103,11 +111,17 @@ class MotionModel:
     rolling : bool
         The shutter may roll, so that a change of height that a still pose leaves out enters the
         covariance.
+    readout_ms : float or None
+        How long it rolls, where that is known.
+    at_rest : bool
+        Nothing moves, neither while the shutter rolls nor while it is open.
     """
 
     moving: bool
     known: KnownMotion | None = None
     rolling: bool = True
+    readout_ms: float | None = None
+    at_rest: bool = False
 
 
 STILL, MOVING = MotionModel(moving=False), MotionModel(moving=True)
@@ -154,15 +168,31 @@ def fit_pose(
     trust = weight[inliers]
     rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
 
-    def find_covariance() -> Array:
-        trust, normal, scores = least_squares_kernel.information(
-            found, seen, tiles_of(xy), TILES**2, len(prior.weight)
-        )
-        robust = trust * found.sigma**2 / np.maximum(weight, 1e-12)
-        normal *= newton_share(robust, weight)
-        return prior.covariance(normal, scores)
+    settled = MovingPose.of(found.pose)
 
-    return Fit(MovingPose.of(found.pose), rms, inliers, find_covariance)
+    def explain() -> tuple[MovingPose, Array]:
+        bounds = bounds_of(settled, model, edge_points.pixel)
+        return explain_edges(settled, edge_points, (found, seen), camera, bounds)
+
+    return Fit(settled, rms, inliers, explain)
+
+
+def bounds_of(pose: MovingPose, model: MotionModel, pixel: float) -> MotionBounds:
+    """What is known beforehand of the motion in a frame.
+
+    Parameters
+    ----------
+    pose : MovingPose
+    model : MotionModel
+    pixel : float
+        Side of a pixel of the picture that was measured, frame pixels.
+    """
+    height, bias = max(abs(float(pose.pose.position_mm[2])), 1.0), _BIAS * pixel
+    bounds = MotionBounds.unknown(height, bias, model.readout_ms, rolling=model.rolling)
+    if model.known is None:
+        return replace(bounds, at_rest=model.at_rest)
+    expected = np.concatenate([model.known.shift_mm, model.known.rotvec])
+    return replace(bounds, expected=expected, climb_mm=model.known.climb_sigma_mm)
 
 
 def better_of(still: Fit, moving: Fit | None) -> Fit:

@@ -9,7 +9,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
@@ -112,19 +111,6 @@ def normal_equations(rows: Array, row_time: Array, weight: Array, size: int) -> 
 
 
 @fast_jit
-def scores(
-    rows: Array, row_time: Array, weight: Array, tile: NDArray[np.intp], tiles: int, size: int
-) -> Array:
-    """Parts of the right side of `normal_equations` by tile, (tiles, size)."""
-    out = np.zeros((tiles, size))
-    for i in range(len(rows)):
-        t = weight[i] * rows[i, 0]
-        for k in range(size):
-            out[tile[i], k] += t * (rows[i, 1 + k] if k < 6 else row_time[i] * rows[i, k - 5])
-    return out
-
-
-@fast_jit
 def scatter(residual: Array, weight: Array) -> float:
     """Robust standard deviation: the median of |residual| of trusted points over 0.6745."""
     size = np.abs(residual[weight > _TELLING * weight.max()])
@@ -174,13 +160,3 @@ def fit(
         if (step * right).sum() < _SETTLED:
             break
     return Solution(True, pose, rows, sigma)
-
-
-@fast_jit
-def information(
-    found: Solution, seen: Sightings, tile: NDArray[np.intp], tiles: int, size: int
-) -> tuple[Array, Array, Array]:
-    """A solution's trust in residuals (N,), normal matrix (12, 12) and scores (tiles, size)."""
-    trust = trust_of(found.rows[:, 0].copy(), seen.weight, found.sigma)
-    normal, _ = normal_equations(found.rows, seen.row_time, trust, 12)
-    return trust, normal, scores(found.rows, seen.row_time, trust, tile, tiles, size)

@@ -25,7 +25,7 @@ from padstudio.vision.pose.edge_points import (
 )
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.image_alignment import Match
-from padstudio.vision.pose.least_squares import MOVING, STILL, Fit, MotionModel, better_of, fit_pose
+from padstudio.vision.pose.least_squares import STILL, Fit, MotionModel, better_of, fit_pose
 from padstudio.vision.pose.results import LayerFit, RefinedPose
 from padstudio.vision.stage.params import DetectorParams, RefineParams
 
@@ -80,6 +80,19 @@ class Refiner:
         if self.attempts:
             return refine.most_borders
         return min(refine.most_borders, refine.followed_borders)
+
+    @property
+    def _rolling(self) -> bool:
+        """True where the pose may change while the frame is read."""
+        refine = self.params.refine
+        return refine.motion and not refine.at_rest and self.camera.readout_ms != 0
+
+    def model(self, *, moving: bool) -> MotionModel:
+        """A still or a moving camera; a known motion where there is one."""
+        rolling = self._rolling
+        known = self.motion if rolling else None
+        readout, at_rest = self.camera.readout_ms, self.params.refine.at_rest
+        return MotionModel(moving or known is not None, known, rolling, readout, at_rest)
 
     def coarse_to_fine(self, start: MovingPose, good_mm: float) -> list[LayerFit]:
         """Readable layers, the coarse ones first, each with the pose that it led to.
@@ -179,16 +192,15 @@ class Refiner:
         edge_points = self._edge_points(
             last.layer, last.borders, last.pose, last.cell_px, sharper=1
         )
-        rolling = self.params.refine.motion
-        if self.motion is not None and rolling:
-            return self._fit(last.pose, edge_points, iterations=4), edge_points
+        if self.motion is not None and self._rolling:
+            fit = self._fit(last.pose, edge_points, iterations=4)
+            return fit and fit.settled(), edge_points
         fit = self._fit(last.pose, edge_points.thinned(_DECIDING), iterations=3)
         if fit is None:
             return None, edge_points
-        motion = not fit.pose.still
-        model = MotionModel(motion, rolling=rolling)
+        model = self.model(moving=not fit.pose.still)
         full = fit_pose(fit.pose, edge_points, self.camera, model, iterations=2)
-        return (replace(full, doubt=fit.doubt) if full else fit), edge_points
+        return (full or replace(fit, doubt=np.zeros(6))).settled(), edge_points
 
     def _match(self, last: LayerFit) -> Fit | None:
         """The whole pattern matched, with a still camera or a moving one as in `_fit`."""
@@ -199,26 +211,21 @@ class Refiner:
         match = last.match or Match.of(self.pyramid, self.camera, self.pad, start, most)
         if match is None:
             return None
-        rolling = self.params.refine.motion
-        if self.motion is not None and rolling:
-            return match.fit(start, MotionModel(moving=True, known=self.motion))
-        still = match.fit(start, MotionModel(moving=False, rolling=rolling))
-        if still is None or not rolling:
-            return still
-        return better_of(still, match.fit(still.pose, MOVING))
+        found = match.fit(start, self.model(moving=False))
+        if found is None or self.motion is not None or not self._rolling:
+            return found
+        return better_of(found, match.fit(found.pose, self.model(moving=True)))
 
     def _fit(
         self, start: MovingPose, edge_points: EdgePoints, *, iterations: int, quiet_px: float = 0.0
     ) -> Fit | None:
         """A still fit, or a moving one where its motion is known or the residuals ask for it."""
-        if self.motion is not None and self.params.refine.motion:
-            model = MotionModel(moving=True, known=self.motion)
-            return fit_pose(start, edge_points, self.camera, model, iterations)
-        fit = fit_pose(start, edge_points, self.camera, STILL, iterations=iterations)
-        if fit is None or not self.params.refine.motion or fit.rms_px < quiet_px:
+        fit = fit_pose(start, edge_points, self.camera, self.model(moving=False), iterations)
+        known = self.motion is not None
+        if fit is None or known or not self._rolling or fit.rms_px < quiet_px:
             return fit
-        moving = fit_pose(fit.pose, edge_points, self.camera, MOVING, iterations)
-        return better_of(fit, moving)
+        model = self.model(moving=True)
+        return better_of(fit, fit_pose(fit.pose, edge_points, self.camera, model, iterations))
 
     def read(self, layer: Layer, pose: MovingPose) -> LayerRead | None:
         """`read_layer` where all places that were searched compete, or those near by."""

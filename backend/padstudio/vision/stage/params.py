@@ -145,7 +145,12 @@ class RefineParams(_Group):
     motion: bool = switch(
         True,
         "Let the pose change within a frame where the residuals ask for it (rolling shutter); "
-        "off for a global shutter, whose poses are then far surer.",
+        "off for a global shutter, where the camera file does not say `readout_ms: 0`.",
+    )
+    at_rest: bool = switch(
+        False,
+        "The camera stands still, as on a tripod: nothing moves while the shutter rolls or is "
+        "open, so that a frame is as sure as its borders; wrong for a camera that moves.",
     )
 
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 
 from padstudio.errors import ConflictError
 from padstudio.geometry import presets
-from padstudio.geometry.camera import Camera
+from padstudio.geometry.camera import MAX_READOUT_MS, Camera
 from padstudio.store.store import Store
 from padstudio.web.schemas.base import CameraList, CameraSummary
 from padstudio.web.server.services import ERRORS, ItemId, Shared, attachment, check_size
@@ -63,11 +63,21 @@ def import_camera(
     name: Annotated[
         str | None, Form(max_length=200, description="Instead of the file's own name.")
     ] = None,
+    readout_ms: Annotated[
+        float | None,
+        Form(
+            ge=0,
+            le=MAX_READOUT_MS,
+            description="Instead of the file's: first row to last row; 0 for a global shutter.",
+        ),
+    ] = None,
 ) -> CameraSummary:
     check_size(file.size, shared.settings.max_camera_bytes, "camera file")
     camera = Camera.loads(file.file.read(), file_name(file, "camera file"))
     if name and name.strip():
         camera = replace(camera, name=name.strip())
+    if readout_ms is not None:
+        camera = replace(camera, readout_ms=readout_ms)
     summary = _describe(camera, "")
     stored = shared.store.cameras.add(camera.to_ros_yaml(), summary)
     return CameraSummary(id=stored.id, **summary)
@@ -141,5 +151,6 @@ def _describe(camera: Camera, note: str) -> dict[str, Any]:
         "model": camera.model,
         "distortion": camera.distortion.tolist(),
         "nominal": camera.nominal,
+        "readout_ms": camera.readout_ms,
         "note": note,
     }

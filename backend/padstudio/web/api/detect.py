@@ -43,6 +43,7 @@ class Wanted:
     camera: Annotated[str, Form(max_length=64, description="Id of a camera or preset.")]
     method: Annotated[Literal["dense", "paper"], Form()] = "dense"
     unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True
+    at_rest: Annotated[bool, Form(description="The camera stood still, as on a tripod.")] = False
     trace: Annotated[bool, Form(description="Keep every stage, with pictures.")] = False
 
 
@@ -65,6 +66,7 @@ async def detect_image(
             method=wanted.method,
             max_pixels=settings.max_image_pixels,
             unmix=wanted.unmix,
+            at_rest=wanted.at_rest,
             pictures=folder,
         )
         answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)

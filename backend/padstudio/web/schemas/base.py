@@ -62,6 +62,7 @@ CAMERA_EXAMPLE: dict[str, Any] = {
     "model": "radtan",
     "distortion": [],
     "nominal": True,
+    "readout_ms": None,
     "note": "nominal, calibrate for accuracy",
 }
 _VERIFICATION_EXAMPLE: dict[str, Any] = {
@@ -260,6 +261,9 @@ class CameraSummary(BaseModel):
     model: Literal["radtan", "fisheye"]
     distortion: list[float]
     nominal: bool = Field(description="From a data sheet rather than a calibration.")
+    readout_ms: float | None = Field(
+        None, description="First row to last row; 0 is a global shutter, null is unknown."
+    )
     note: str
 
 

@@ -1,0 +1,125 @@
+"""How sure a pose is that borders were measured for, and the pose itself, motion considered.
+
+Residuals tell their own noise: weights that fall as residuals grow are put right by the sandwich of
+squared scores, residuals that are alike near each other by their sums over tiles. Motion while the
+shutter rolled is told by the rows (`row_motion`), motion while they were exposed by how much wider
+steps are than those of a sharp picture: by the middle of its exposure a vibrating camera may be
+anywhere within its blur.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from padstudio.arrays import Array
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.rolling_shutter import MovingPose, row_times
+from padstudio.vision.pose.covariance import TILES, newton_share, noise_share, tiles_of
+from padstudio.vision.pose.edge_points import EdgePoints
+from padstudio.vision.pose.least_squares_kernel import Sightings, Solution, scatter, trust_of
+from padstudio.vision.pose.row_motion import INTERVALS, MotionBounds, RowFit, explain_rows
+from padstudio.vision.pose.row_motion_kernel import noise_sums, row_sums
+
+# Widths of steps in a sharp picture differ by so much, frame pixels squared; and a blur's variance
+# as of squared slopes is so many times the motion's, whose ends are its brightest.
+_SHARP_WITHIN, _BLUR_GAIN = 0.2, 3.0
+# Blurs about both axes are alike, unless their steps say otherwise with this share of their weight.
+_ALIKE = 0.05
+# What lens model and sensor leave over stretches a picture by so much, and by so much a pixel of
+# blur.
+_STRETCH, _BLURRED_STRETCH = 2.5e-5, 1e-4
+
+
+def explain_edges(
+    pose: MovingPose,
+    edge_points: EdgePoints,
+    fitted: tuple[Solution, Sightings],
+    camera: Camera,
+    bounds: MotionBounds,
+) -> tuple[MovingPose, Array]:
+    """The pose at the middle row, and its covariance (6, 6).
+
+    Parameters
+    ----------
+    pose : MovingPose
+        Fitted to the borders.
+    edge_points : EdgePoints
+    fitted : (Solution, Sightings)
+    camera : Camera
+    bounds : MotionBounds
+    """
+    found, seen = fitted
+    # At the row where a border was seen, its residual would pass for motion.
+    row_time = row_times(camera, pose.project(camera, seen.points_mm)[:, 1])
+    seen = seen._replace(row_time=row_time)
+    measured = _Measured(found.rows, seen, edge_points)
+    motion = np.concatenate([pose.shift_mm, pose.rotvec])
+    fit = measured.explain(found.rows[:, 0], np.zeros(len(row_time)), motion, bounds)
+    if fit.shaken:
+        predicted = measured.predict(fit, motion)
+        fit = measured.explain(found.rows[:, 0] - predicted, predicted, motion, bounds)
+    step = fit.step[:6]
+    if fit.shaken or not pose.still:
+        step = np.concatenate([step, fit.motion - motion])
+    blur = np.zeros(3) if bounds.at_rest else _blur_variance(found.rows, edge_points)
+    return pose.moved(step), _widened(fit.covariance, blur, bounds.height_mm, camera.focal_px)
+
+
+class _Measured:
+    """Linearized residuals of borders by rows."""
+
+    def __init__(self, rows: Array, seen: Sightings, edge_points: EdgePoints) -> None:
+        self._rows, self._seen = rows, seen
+        self._tile = tiles_of(edge_points.xy)
+        step, upright = np.sign(edge_points.borders.step), edge_points.borders.across_mm[:, 0] != 0
+        self._sides = np.stack([step * upright, step * ~upright], axis=1)
+        time = seen.row_time
+        self.first = float(time.min()) - 1e-9
+        self.width = (float(time.max()) + 1e-9 - self.first) / INTERVALS
+
+    def explain(self, left: Array, predicted: Array, motion: Array, bounds: MotionBounds) -> RowFit:
+        """`explain_rows`, where residuals are what is left (N,) over what was predicted (N,)."""
+        weight = self._seen.weight
+        sigma = scatter(left.copy(), weight)
+        trust = trust_of(left.copy(), weight, sigma)
+        robust = trust * sigma**2 / np.maximum(weight, 1e-12)
+        share = newton_share(robust, weight)
+        rows = self._rows.copy()
+        rows[:, 0] = left
+        noise = noise_share(*noise_sums(rows, trust, self._tile, TILES**2), len(rows))
+        rows[:, 0] = left + share * predicted
+        sums = row_sums(
+            rows, self._sides, self._seen.row_time, trust, self.first, self.width, INTERVALS
+        )
+        scaled = sums._replace(
+            normal=sums.normal * (share**2 / noise), pull=sums.pull * (share / noise)
+        )
+        return explain_rows(scaled, self.first, self.width, motion, bounds)
+
+    def predict(self, fit: RowFit, motion: Array) -> Array:
+        """What a fit makes of the residuals (N,)."""
+        change, time = self._rows[:, 1:], self._seen.row_time
+        knots = self.first + self.width * np.arange(INTERVALS + 1)
+        sway = np.stack([np.interp(time, knots, axis) for axis in fit.sway.T], axis=1)
+        static = change @ fit.step[:6] + self._sides @ fit.step[6:]
+        drift = time * (change @ (fit.motion - motion))
+        return np.asarray(static + drift + (change[:, 3:] * sway).sum(axis=1))
+
+
+def _blur_variance(rows: Array, edge_points: EdgePoints) -> Array:
+    """Variances (3,) of the attitude while a row was exposed, radians², by the steps' widths."""
+    turns, weight = rows[:, 4:6] ** 2, edge_points.weight
+    normal = (turns * weight[:, None]).T @ turns
+    tie = _ALIKE * np.trace(normal) * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    right = turns.T @ (weight * (edge_points.blur_px2 - _SHARP_WITHIN))
+    tilts = np.maximum(np.linalg.solve(normal + tie, right), 0) / _BLUR_GAIN
+    return np.array([*tilts, tilts.mean()])
+
+
+def _widened(covariance: Array, blur: Array, height_mm: float, focal_px: float) -> Array:
+    """A covariance (6, 6) with what no residual shows."""
+    out = covariance.copy()
+    stretch = _STRETCH + _BLURRED_STRETCH * np.sqrt(blur[2]) * focal_px
+    out[[0, 1, 2], [0, 1, 2]] += (stretch * height_mm) ** 2
+    out[[3, 4, 5], [3, 4, 5]] += blur
+    return out

@@ -1,0 +1,127 @@
+"""What rows say of motion: sums, what they tell apart, and what stays in doubt."""
+
+import numpy as np
+import pytest
+from dense_frames import all_borders, random_pose, sample_pad, small_camera
+
+from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.vision.pose import row_motion_kernel
+from padstudio.vision.pose.edge_points import EdgePoints
+from padstudio.vision.pose.least_squares import MotionModel, fit_pose
+
+CAMERA = small_camera()
+HEIGHT_MM = 900.0
+
+
+def seen_by(pose, sway, *, noise_px=0.1, blur_px2=0.0, seed=0):
+    """Borders as a camera sees them whose rotation vector at row time s is ``sway(s)`` besides."""
+    rng = np.random.default_rng(seed)
+    pad = sample_pad()
+    borders = all_borders(pad, pad.layers[0])
+    xy = MovingPose(pose).project(CAMERA, borders.points_mm)
+    for _ in range(4):
+        time = (xy[:, 1] - (CAMERA.height - 1) / 2) / CAMERA.height
+        points = pose.to_camera(borders.points_mm)
+        xy = CAMERA.project(points - np.cross(sway(time), points))
+    keep = (xy > 0).all(axis=1) & (xy < [CAMERA.width - 1, CAMERA.height - 1]).all(axis=1)
+    which = np.flatnonzero(keep)[::7]
+    noisy = xy[which] + rng.normal(0, noise_px, (len(which), 2))
+    ones = np.ones(len(which))
+    return EdgePoints(borders.take(which), noisy, ones, blur_px2 * ones)
+
+
+def vibration(rng, amplitude_rad, periods):
+    """A harmonic sway about each axis, none at the middle row."""
+    phase = rng.uniform(0, 2 * np.pi, 3)
+
+    def sway(time):
+        angle = 2 * np.pi * periods * np.asarray(time)[:, None] + phase
+        return amplitude_rad * (np.sin(angle) - np.sin(phase))
+
+    return sway
+
+
+def squared_error(fit, pose):
+    error = fit.pose.step_to(MovingPose(pose))
+    return error @ np.linalg.solve(fit.covariance, error) / 6
+
+
+def test_sums_are_those_of_the_rows_in_an_interval():
+    rng = np.random.default_rng(2)
+    rows, sides = rng.normal(size=(90, 7)), rng.normal(size=(90, 2))
+    time, trust = rng.uniform(-0.4, 0.4, 90), rng.uniform(0, 1, 90)
+    sums = row_motion_kernel.row_sums(rows, sides, time, trust, -0.4, 0.2, 4)
+    jacobian = np.hstack([rows[:, 1:], sides])
+    at = (time + 0.4) / 0.2
+    for k in range(4):
+        here = at.astype(int) == k
+        f, j, w = at[here] - k, jacobian[here], trust[here]
+        for power in range(3):
+            plain = (j * (w * f**power)[:, None]).T @ j
+            np.testing.assert_allclose(sums.normal[power, k], plain, atol=1e-10)
+        for power in range(2):
+            plain = j.T @ (w * f**power * rows[here, 0])
+            np.testing.assert_allclose(sums.pull[power, k], plain, atol=1e-10)
+
+
+def test_noise_sums_are_those_of_single_scores():
+    rng = np.random.default_rng(3)
+    rows, trust, tile = rng.normal(size=(60, 7)), rng.uniform(0, 1, 60), rng.integers(0, 9, 60)
+    normal, squares, scores = row_motion_kernel.noise_sums(rows, trust, tile, 9)
+    single = (trust * rows[:, 0])[:, None] * rows[:, 1:]
+    np.testing.assert_allclose(normal, (rows[:, 1:] * trust[:, None]).T @ rows[:, 1:], atol=1e-10)
+    np.testing.assert_allclose(squares, single.T @ single, atol=1e-10)
+    for number in range(9):
+        np.testing.assert_allclose(scores[number], single[tile == number].sum(axis=0), atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("name", "amplitude_rad", "rolling"),
+    [("still", 0.0, True), ("still, global shutter", 0.0, False), ("vibrating", 0.002, True)],
+)
+def test_the_covariance_is_true(name, amplitude_rad, rolling):
+    squares = []
+    for seed in range(24):
+        rng = np.random.default_rng(seed)
+        pose = random_pose(rng, HEIGHT_MM, tilt_deg=15.0)
+        sway = vibration(rng, amplitude_rad, rng.uniform(1.0, 3.0))
+        edge_points = seen_by(pose, sway, seed=seed)
+        model = MotionModel(moving=False, rolling=rolling)
+        fit = fit_pose(MovingPose(pose), edge_points, CAMERA, model, iterations=4)
+        assert fit is not None
+        squares.append(squared_error(fit.settled(), pose))
+    # No picture was taken here, so that what pictures leave over is reckoned with in vain.
+    assert 0.3 < np.mean(squares) < 1.5, name
+
+
+def test_a_shaken_frame_is_put_right_by_its_rows():
+    rng = np.random.default_rng(1)
+    pose = random_pose(rng, HEIGHT_MM, tilt_deg=10.0)
+    edge_points = seen_by(pose, vibration(rng, 0.003, 2.0))
+    fit = fit_pose(MovingPose(pose), edge_points, CAMERA, MotionModel(moving=False))
+    assert fit is not None
+    off, left = (
+        np.linalg.norm(each.pose.step_to(MovingPose(pose))[3:]) for each in (fit, fit.settled())
+    )
+    assert left < 0.7 * off
+
+
+def test_a_blur_leaves_the_attitude_in_doubt_and_nothing_else():
+    pose = random_pose(np.random.default_rng(4), HEIGHT_MM)
+    sharp, blurred = (
+        fit_pose(
+            MovingPose(pose),
+            seen_by(pose, lambda time: np.zeros((len(time), 3)), blur_px2=blur_px2),
+            CAMERA,
+            MotionModel(moving=False, rolling=False),
+        )
+        for blur_px2 in (0.0, 3.2)
+    )
+    assert sharp is not None
+    assert blurred is not None
+    turn = np.sqrt(np.diag(blurred.covariance)[3:5]) * CAMERA.focal_px
+    # A blur of 3 square pixels as of squared slopes is one of a pixel.
+    np.testing.assert_allclose(turn, 1.0, rtol=0.2)
+    moved = [np.sqrt(np.trace(fit.covariance[:3, :3])) for fit in (sharp, blurred)]
+    assert moved[1] < 0.001 * HEIGHT_MM
+    assert moved[0] < moved[1]
