@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from places import ROOT
 
 from padstudio.geometry.pose import look_at_pad
-from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 SAMPLES = ROOT / "samples"
@@ -20,13 +20,18 @@ LANDING = ROOT / "tests" / "footage" / "flights" / "landing.mp4"
 HEIGHTS = (900.0, 700.0, 500.0)
 
 
+def full(height):
+    pose = look_at_pad(height)
+    return Detection(pose, layer="red", uncertainty=Uncertainty.of(pose, 1e-6 * np.eye(6)))
+
+
 @pytest.fixture
 def poses(tmp_path, monkeypatch):
-    """A poses file of a failed frame and three poses, in the working folder."""
+    """A poses file of a failed frame and three full poses, in the working folder."""
     monkeypatch.chdir(tmp_path)
     failure = StageFailure("lines", Reason.NO_LATTICE, "3 lines", "go closer")
     found = [Detection(None, failure)]
-    found += [Detection(look_at_pad(height), layer="red") for height in HEIGHTS]
+    found += [full(height) for height in HEIGHTS]
     lines = [
         json.dumps(detection.to_record("landing.mp4", frame=2 * k, time_s=k / 15))
         for k, detection in enumerate(found)
@@ -45,6 +50,18 @@ def test_a_trajectory_goes_to_stdout(poses):
     table = np.loadtxt(io.StringIO(result.stdout))
     assert (table[:, 3] * 1000).tolist() == pytest.approx(HEIGHTS)
     assert table[0, 0] == pytest.approx(100 + 1 / 15, abs=1e-6)
+
+
+def test_what_a_form_leaves_out_is_said(poses):
+    lines = [json.loads(line) for line in poses.read_text().splitlines()]
+    lines[1] |= {"quality": "bearing"}
+    lines[2] |= {"quality": None}
+    poses.write_text("\n".join(map(json.dumps, lines)))
+    result = export(poses, "--form", "tum")
+    assert len(np.atleast_2d(np.loadtxt(io.StringIO(result.stdout)))) == 1
+    assert "1 pose of quality bearing is left out" in result.stderr
+    assert "1 pose of unknown quality is left out" in result.stderr
+    assert "left out" not in export(poses, "--form", "csv").stderr
 
 
 def test_a_model_goes_to_a_file(poses):
@@ -76,7 +93,7 @@ def test_frames_of_a_video_go_into_a_log(poses):
 def test_stills_go_into_a_log_as_far_as_they_are_there(poses):
     cv2.imwrite("a.png", np.zeros((20, 30, 3), np.uint8))
     names = ("a.png", "missing.png")
-    lines = [Detection(look_at_pad(500), layer="red").to_record(name) for name in names]
+    lines = [full(500.0).to_record(name) for name in names]
     poses.write_text("\n".join(map(json.dumps, lines)))
     arguments = ("--form", "mcap", "--camera", SAMPLES / "camera.yaml", "--images")
     assert export(poses, *arguments, "-o", "a.mcap").exit_code == 0

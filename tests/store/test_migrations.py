@@ -57,10 +57,21 @@ def frame(place: int) -> dict[str, Any]:
         "stage": None if ok else ("lines", "grid")[place % 2],
         "reason": None if ok else "no_lattice",
         "layer": "red" if ok else None,
-        "x_mm": None,
-        "y_mm": None,
+        "x_mm": 0.0 if ok else None,
+        "y_mm": 0.0 if ok else None,
         "z_mm": 1000.0 + place if ok else None,
     }
+
+
+def body(place: int) -> dict[str, Any]:
+    """The rest of it: how sure the first frames and the last are, of others nothing."""
+    number = FIRST_FRAME + STRIDE * place
+    told = {"damaged": True} if number == DAMAGED else {}
+    if place < 10:
+        return told | {"position_sigma_mm": [20.0, 20.0, 1.0], "attitude_sigma_deg": [1.0] * 3}
+    if place >= FRAMES - 10:
+        return told | {"position_sigma_mm": [40.0, 40.0, 1.0], "attitude_sigma_deg": [1.0] * 3}
+    return told
 
 
 def older_database(url: str) -> None:
@@ -80,9 +91,9 @@ def older_database(url: str) -> None:
             "flight": 1,
             "number": row["number"],
             "chunk": 1,
-            "body": {"damaged": True} if row["number"] == DAMAGED else {},
+            "body": body(place),
         }
-        for row in rows
+        for place, row in enumerate(rows)
     ]
     with engine.begin() as connection:
         config.attributes["connection"] = connection
@@ -103,6 +114,7 @@ def test_flights_of_an_older_database_get_their_bins(
     with engine.connect() as connection:
         chosen = select(*FrameBinRow.__table__.c).order_by(FrameBinRow.first_frame)
         found = [dict(row) for row in connection.execute(chosen).mappings()]
+        qualities = connection.scalars(select(FrameRow.quality).order_by(FrameRow.number)).all()
     engine.dispose()
     assert [(row["first_frame"], row["last_frame"], row["frames"]) for row in found] == [
         (5, 203, 100),
@@ -119,6 +131,12 @@ def test_flights_of_an_older_database_get_their_bins(
         # The first pose, the two farthest apart, the last.
         "poses": [7, 63, 87, 201],
         "damaged": 1,
+        "bearings": {},
+        "unknown": 53,
     }
+    assert qualities[:10] == ["full" if place % 3 else None for place in range(10)]
+    assert set(qualities[10:-10]) == {None}
+    assert qualities[-10:] == ["bearing" if place % 3 else None for place in range(240, 250)]
+    assert found[-1]["body"]["bearings"] == {"red": 6}
     assert [row["body"]["damaged"] for row in found[1:]] == [0, 0]
     assert sum(row["ok"] for row in found) == 159

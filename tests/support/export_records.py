@@ -8,7 +8,7 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 CAMERA = Camera(640, 480, np.array([[500.0, 0, 318], [0, 510, 242], [0, 0, 1]]))
@@ -18,11 +18,37 @@ POSES = [
     for k in range(5)
 ]
 FAILED_AT = 2
+#: One standard deviation of a pose: 1 mm and 0.1 degrees; and of one that stands on an arc about
+#: the pad, 0.3 rad either way, whose range and bearing are known all the same.
+SURE = np.diag([1.0] * 3 + [(0.1 * np.pi / 180) ** 2] * 3)
 
 
-def records() -> list[dict[str, Any]]:
-    """Five poses at 10 frames a second, and a failed frame between them."""
-    detections = [Detection(pose, layer="red", cells_read=90) for pose in POSES]
+def on_an_arc(pose: Pose) -> Any:
+    """The covariance (6, 6) of a pose of a pad that is far away: tilt and place look alike."""
+    x, y, z = pose.tvec_mm
+    # The centre moves, in the camera frame, as a turn about the pad's centre takes it.
+    swing = np.vstack([np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), np.eye(3)])
+    swing[:3] = pose.rotation @ swing[:3]
+    return SURE / 100 + 0.3**2 * swing[:, :2] @ swing[:, :2].T
+
+
+def records(bearing_at: tuple[int, ...] = ()) -> list[dict[str, Any]]:
+    """Five poses at 10 frames a second, and a failed frame between them.
+
+    Parameters
+    ----------
+    bearing_at : tuple of int
+        Places in `POSES` of those whose range and bearing alone are known.
+    """
+    detections = [
+        Detection(
+            pose,
+            layer="red",
+            cells_read=90,
+            uncertainty=Uncertainty.of(pose, on_an_arc(pose) if place in bearing_at else SURE),
+        )
+        for place, pose in enumerate(POSES)
+    ]
     failure = StageFailure("lines", Reason.NO_LATTICE, "3 lines", "go closer")
     detections.insert(FAILED_AT, Detection(None, failure))
     return [

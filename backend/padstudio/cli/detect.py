@@ -30,6 +30,8 @@ from padstudio.media.sources import find_frames
 from padstudio.pad.spec import Pad
 
 Figures = dict[str, Any]
+# What the summary says of poses that are not to be used as a whole.
+_NOT_FULL = {"bearing": "range and bearing only", None: "quality unknown"}
 
 EXIT_NOTHING_FOUND = 1
 # Below this many frames a process, starting it costs more than it saves.
@@ -173,7 +175,7 @@ def _figures(record: dict[str, Any]) -> Figures:
     """What the summary needs of a record, so that a long run does not keep them all."""
     ok = record["status"] == "ok"
     outcome = f"pose by {record.get('layer')}" if ok else f"failed at {record['stage']}"
-    why = "" if ok else record["reason"]
+    why = _NOT_FULL.get(record.get("quality"), "") if ok else record["reason"]
     elapsed_ms = record.get("elapsed_ms") or {}
     return {"ok": ok, "outcome": (outcome, why), "ms": elapsed_ms.get("total")}
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
 
 from padstudio.cli.support import check_output, note
 from padstudio.flights.exports import forms
+from padstudio.flights.exports.forms import FULL_POSES_ONLY
 from padstudio.flights.exports.options import ExportOptions
 from padstudio.flights.exports.sources import FilePictures
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
@@ -23,6 +25,8 @@ _EXAMPLES = (
     "[bold]padstudio export poses.jsonl --form mcap --camera camera.yaml --pad pad.json --images "
     "-o flight.mcap[/]"
 )
+
+_LEFT_OUT = ("quality bearing", "unknown quality")
 
 PosesFile = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
 FormName = Annotated[
@@ -83,17 +87,33 @@ def export(
         vehicle=None if vehicle is None else _track(vehicle),
     )
     # Read once in advance, so that a fault in the last line leaves no file behind.
-    count = sum(1 for _ in read_poses(poses))
+    qualities = Counter(_quality(record) for record in read_poses(poses))
     blocks = forms.export(form, read_poses(poses), options)
     if output == "-":
         for block in blocks:
             sys.stdout.buffer.write(block)
+        _say_left_out(form, qualities)
         return
     path = Path(output)
     check_output(path, force=force)
     with path.open("wb") as file:
         file.writelines(blocks)
-    note(f"{path}: {count} frames as {form}")
+    note(f"{path}: {qualities.total()} frames as {form}")
+    _say_left_out(form, qualities)
+
+
+def _say_left_out(form: str, qualities: Counter[str]) -> None:
+    for quality in _LEFT_OUT if form in FULL_POSES_ONLY else ():
+        count = qualities[quality]
+        if count:
+            poses = f"1 pose of {quality} is" if count == 1 else f"{count} poses of {quality} are"
+            note(f"{poses} left out, as {form} holds full poses only")
+
+
+def _quality(record: dict[str, Any]) -> str:
+    """What `_say_left_out` calls it; of a failed frame nothing."""
+    names = {"bearing": "quality bearing", None: "unknown quality"}
+    return names.get(record.get("quality"), "") if record["status"] == "ok" else ""
 
 
 def _track(path: Path) -> VehicleTrack:

@@ -79,6 +79,16 @@ class Pose:
         return np.asarray(-self.rotation.T @ self.position_mm, float)
 
     @property
+    def range_mm(self) -> float:
+        """Distance from the camera's centre to the pad's centre, mm."""
+        return float(np.linalg.norm(self.position_mm))
+
+    @property
+    def bearing(self) -> Array:
+        """(3,) float64, unit vector from the camera's centre to the pad's, camera frame."""
+        return self.tvec_mm / self.range_mm
+
+    @property
     def quaternion_xyzw(self) -> Array:
         """(4,) float64, unit quaternion of `rotation`, scalar last and not negative."""
         r = self.rotation

@@ -20,10 +20,12 @@ START_S = 1_700_000_000.0
 MAV = mavutil.mavlink
 
 
-def _read(tmp_path: Path, form: str, **options: Any) -> tuple[list[Any], list[str]]:
+def _read(
+    tmp_path: Path, form: str, bearing_at: tuple[int, ...] = (), **options: Any
+) -> tuple[list[Any], list[str]]:
     path = tmp_path / "a.tlog"
     given = ExportOptions(pad_size_mm=PAD_SIZE_MM, start_unix_s=START_S, **options)
-    path.write_bytes(b"".join(export(form, records(), given)))
+    path.write_bytes(b"".join(export(form, records(bearing_at), given)))
     log = mavutil.mavlink_connection(str(path), dialect="common")
     targets, texts = [], []
     while (message := log.recv_match()) is not None:
@@ -56,6 +58,20 @@ def test_ardupilot_reads_metres_in_the_body_frame(tmp_path: Path) -> None:
         assert message.angle_x == pytest.approx(math.atan2(right, ahead), abs=1e-6)
         assert message.angle_y == pytest.approx(math.atan2(down, ahead), abs=1e-6)
         assert message.size_x == pytest.approx(2 * math.atan(0.2 / message.distance), rel=1e-6)
+
+
+@pytest.mark.parametrize("form", ["ardupilot", "px4"])
+def test_range_and_bearing_are_enough_for_a_target(tmp_path: Path, form: str) -> None:
+    vehicle = _track(np.zeros(3), np.diag([1.0, -1.0, -1.0])) if form == "px4" else None
+    full = _read(tmp_path, form, vehicle=vehicle)[0]
+    told = _read(tmp_path, form, bearing_at=(1, 3), vehicle=vehicle)[0]
+    assert len(told) == len(POSES)
+    for k, (found, expected) in enumerate(zip(told, full, strict=True)):
+        assert _xyz(found) == pytest.approx(_xyz(expected), abs=1e-6)
+        assert found.distance == expected.distance
+        assert (found.angle_x, found.angle_y) == (expected.angle_x, expected.angle_y)
+        # No attitude is told that is not known.
+        assert found.q == ([0, 0, 0, 0] if k in (1, 3) else expected.q)
 
 
 def test_a_pad_right_below_a_level_vehicle(tmp_path: Path) -> None:

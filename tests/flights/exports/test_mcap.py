@@ -28,7 +28,7 @@ def _check(schema: dict[str, Any], value: Any) -> None:
     kinds = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float)}
     assert isinstance(value, kinds[schema["type"]])
     if schema["type"] == "object":
-        assert set(value) == set(schema["required"])
+        assert set(schema["required"]) <= set(value) <= set(schema["properties"])
         for name, part in value.items():
             _check(schema["properties"][name], part)
     if schema["type"] == "array":
@@ -37,9 +37,9 @@ def _check(schema: dict[str, Any], value: Any) -> None:
             _check(schema["items"], item)
 
 
-def _read(**options: Any) -> dict[str, list[tuple[int, Any]]]:
+def _read(bearing_at: tuple[int, ...] = (), **options: Any) -> dict[str, list[tuple[int, Any]]]:
     given = ExportOptions(camera=CAMERA, pad_size_mm=PAD_SIZE_MM, **options)
-    reader = make_reader(io.BytesIO(b"".join(export("mcap", records(), given))))
+    reader = make_reader(io.BytesIO(b"".join(export("mcap", records(bearing_at), given))))
     topics = defaultdict(list)
     for schema, channel, message in reader.iter_messages():
         assert schema is not None
@@ -83,6 +83,20 @@ def test_poses_are_in_metres_in_the_pad_frame() -> None:
         assert position == pytest.approx(pose.position_mm)
         turn = rotation([tf["rotation"][axis] for axis in "wxyz"])
         assert turn == pytest.approx(pose.rotation, abs=1e-9)
+
+
+def test_a_pose_of_which_range_and_bearing_are_known_moves_no_transform() -> None:
+    read = _read(bearing_at=(1,))
+    assert len(read["/tf"]) == len(read["/camera/pose"]) == len(POSES) - 1
+    found = [message for _, message in read["/camera/bearing"]]
+    assert [message["quality"] for message in found] == ["full", "bearing", *["full"] * 3]
+    for message, pose in zip(found, POSES, strict=True):
+        x, y, z = (message["range"] * message["bearing"][axis] * 1000 for axis in "xyz")
+        assert [x, y, z] == pytest.approx(pose.tvec_mm)
+    assert found[1]["range_sigma"] == pytest.approx(1e-4)
+    assert found[1]["bearing_sigma_deg"] < 0.02
+    text = read["/camera/annotations"][1][1]["texts"][0]["text"]
+    assert text == f"red, range {POSES[1].range_mm:.0f} mm, bearing only"
 
 
 def test_the_convention_stands_in_the_file() -> None:

@@ -24,9 +24,11 @@ def _text(form: str, **options: Any) -> str:
 
 
 def test_csv_has_a_row_a_frame_and_the_same_doubles() -> None:
-    rows = list(csv.DictReader(io.StringIO(_text("csv"), newline="")))
-    assert len(rows) == len(records())
-    for row, record in zip(rows, records(), strict=True):
+    told = [record | {"position_sigma_mm": [1.0] * 3} for record in records(bearing_at=(1,))]
+    text = b"".join(export("csv", told)).decode()
+    rows = list(csv.DictReader(io.StringIO(text, newline="")))
+    assert [row["quality"] for row in rows] == ["full", "bearing", "", *["full"] * 3]
+    for row, record in zip(rows, told, strict=True):
         assert row["status"] == record["status"]
         assert float(row["time_s"]) == record["time_s"]
         if record["status"] == "ok":
@@ -34,7 +36,11 @@ def test_csv_has_a_row_a_frame_and_the_same_doubles() -> None:
             quaternion = [float(row[f"pad_from_camera_q{axis}"]) for axis in "xyzw"]
             assert position == record["position_mm"]
             assert quaternion == record["quaternion_xyzw"]
-            assert (row["layer"], row["cells_read"], row["sigma_x_mm"]) == ("red", "90", "")
+            assert (row["layer"], row["cells_read"], row["sigma_x_mm"]) == ("red", "90", "1.0")
+            assert [float(row[f"bearing_{axis}"]) for axis in "xyz"] == record["bearing"]
+            for name in ("range_mm", "range_sigma_mm", "bearing_sigma_deg"):
+                assert float(row[name]) == record[name]
+            assert row["quality"] == record["quality"]
         else:
             assert (row["stage"], row["reason"]) == ("lines", "no_lattice")
             assert row["camera_in_pad_x_mm"] == ""
@@ -62,6 +68,18 @@ def test_tum_read_by_numpy() -> None:
         assert row[1:4] * 1000 == pytest.approx(pose.position_mm, abs=1e-5)
         # Quaternions stand scalar last.
         assert rotation(row[[7, 4, 5, 6]]) == pytest.approx(pose.rotation, abs=1e-9)
+
+
+def test_trajectories_and_models_hold_full_poses_only() -> None:
+    flight = records(bearing_at=(1, 4))
+    # Nothing tells how sure the first one is.
+    flight[0] |= {"quality": None}
+    table = np.loadtxt(io.StringIO(b"".join(export("tum", flight)).decode()))
+    assert table[:, 0] == pytest.approx([times()[k] for k in (2, 3)])
+    data = b"".join(export("colmap", flight, ExportOptions(camera=CAMERA)))
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        lines = archive.read("images.txt").decode().splitlines()
+    assert [line.split()[0] for line in lines if "a_flight" in line] == ["1", "2"]
 
 
 def test_stills_have_times_of_their_own() -> None:

@@ -41,6 +41,7 @@ def _frame(key: int, number: int, place: int) -> dict[str, Any]:
         "stage": ("grid", "lines")[place % 2] if failed else None,
         "reason": "no_lattice" if failed else None,
         "layer": None if failed else LAYERS[place % 3],
+        "quality": None if failed else "bearing" if place % 5 == 1 else "full",
         "x_mm": None if failed else float(place),
         "y_mm": None if failed else -float(place),
         "z_mm": None if failed else 5000.0 - place / 2,
@@ -96,7 +97,8 @@ def test_columns_hold_every_frame_once(
     assert len(found["columns"]) <= columns
     assert (found["first_frame"], found["last_frame"]) == (0, FRAMES - 1)
     counted = np.sum([column["outcomes"] for column in found["columns"]], axis=0)
-    truth = [sum(row["layer"] == layer for row in rows) for layer in OUTCOMES[:-1]]
+    outcomes = ["bearing" if row["quality"] == "bearing" else row["layer"] for row in rows]
+    truth = [outcomes.count(outcome) for outcome in OUTCOMES[:-1]]
     assert counted.tolist() == [*truth, sum(row["status"] == "failed" for row in rows)]
     width = found["frames_per_column"]
     for column in found["columns"]:
@@ -160,7 +162,7 @@ def test_the_trajectory_is_thinned_and_keeps_its_gaps(
     found = FigureRows(session).figures(flight, points=400)["trajectory"]
     assert 350 < len(found["frame"]) <= 400
     for place, number in enumerate(found["frame"]):
-        for name in ("time_s", "x_mm", "y_mm", "z_mm"):
+        for name in ("time_s", "x_mm", "y_mm", "z_mm", "quality"):
             assert found[name][place] == rows[number][name]
     assert None in found["z_mm"]
 
@@ -175,6 +177,7 @@ def test_samples_look_where_the_camera_looked_and_failed_ones_are_bare(
         row = rows[sample["frame"]]
         assert ("axis" in sample) == (row["status"] == "ok")
         if "axis" in sample:
+            assert sample["quality"] == row["quality"]
             assert sample["axis"] == pytest.approx([0, 0, -1])
             assert sample["position_mm"] == [row["x_mm"], row["y_mm"], row["z_mm"]]
 
@@ -186,6 +189,9 @@ def test_heights_are_compared_at_the_times_of_the_poses(
     assert heights["fit"]["slope"] == pytest.approx(1.05, abs=1e-3)
     assert heights["fit"]["verdict"] == "too_high"
     assert None not in heights["pose_mm"]
+    # A height that is not known to be true is not compared.
+    rows = {row["number"]: row for row in flown[1]}
+    assert {rows[number]["quality"] for number in heights["frame"]} == {"full"}
     flown[0].telemetry, kept = None, flown[0].telemetry
     try:
         assert FigureRows(session).figures(flown[0])["heights"] is None

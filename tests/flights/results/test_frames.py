@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -36,7 +37,9 @@ def record(number: int, *, ok: bool) -> dict[str, Any]:
         return {**head, "status": "failed", **failure}
     pose = look_at_pad(5000.0 - 10 * number, tilt_deg=0, heading_deg=float(number))
     layer = "red" if number % 2 else "blue"
-    return {**head, "status": "ok", **pose_fields(pose), "layer": layer, "covariance": [0.1] * 21}
+    told = {"quality": "bearing" if number < 40 else "full"}
+    told |= {"range_sigma_mm": 0.3, "bearing_sigma_deg": 0.1, "covariance": [0.1] * 21}
+    return {**head, "status": "ok", **pose_fields(pose), "layer": layer, **told}
 
 
 RECORDS = [record(n, ok=n % 7 != 3 and not 100 <= n < 120) for n in range(FRAMES)]
@@ -98,6 +101,7 @@ FILTERS = st.builds(
     status=st.sampled_from([None, "ok", "failed"]),
     reason=st.sampled_from([None, *REASONS]),
     layer=st.sampled_from([None, "red", "blue"]),
+    quality=st.sampled_from([None, "full", "bearing"]),
     from_s=st.none() | st.floats(-1, 12),
     to_s=st.none() | st.floats(-1, 12),
     min_height=st.none() | st.floats(1000, 6000),
@@ -111,6 +115,7 @@ def fits(item: dict[str, Any], wanted: FrameFilter) -> bool:
         wanted.status in (None, item["status"]),
         wanted.reason in (None, item.get("reason")),
         wanted.layer in (None, item.get("layer")),
+        wanted.quality in (None, item.get("quality")),
         wanted.from_s is None or item["time_s"] >= wanted.from_s,
         wanted.to_s is None or item["time_s"] < wanted.to_s,
         wanted.min_height is None or (height is not None and height >= wanted.min_height),
@@ -142,6 +147,8 @@ def test_figures(full: Made) -> None:
     assert figures["stages"] == {"decode": FRAMES - len(ok)}
     assert sum(figures["reasons"].values()) == FRAMES - len(ok)
     assert sum(figures["layers"].values()) == len(ok)
+    counts = Counter(item["quality"] for item in ok)
+    assert figures["qualities"] == counts | {"unknown": 0}
     assert figures["damaged"] == sum(item.get("damaged", False) for item in RECORDS) > 0
     gap = figures["longest_gap"]
     assert (gap["first_frame"], gap["last_frame"], gap["frames"]) == (100, 119, 20)

@@ -4,8 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from export_records import POSES, on_an_arc, records
 
+from padstudio.flights.results.completed import completed
 from padstudio.flights.results.poses_file import PosesFormatError, read_poses
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.stage.detection import Detection
@@ -36,6 +39,12 @@ def test_what_the_detector_writes_is_read(tmp_path: Path) -> None:
         ({"quaternion_xyzw": [0, 0, float("inf"), 1]}, "quaternion_xyzw"),
         ({"rotation": [[1, 0, 0], [0, 1, 0]]}, "rotation"),
         ({"rotation": "R"}, "rotation"),
+        ({"quality": "good"}, "quality"),
+        ({"range_mm": "far"}, "range_mm"),
+        ({"bearing": [0, 1]}, "bearing"),
+        ({"position_sigma_mm": [1, 2, "3"]}, "position_sigma_mm"),
+        ({"covariance": [1.0] * 36}, "covariance"),
+        ({"position_mm": [0, 0, 0]}, "position_mm"),
     ],
 )
 def test_ill_formed_records_are_named(tmp_path: Path, change: dict[str, Any], said: str) -> None:
@@ -43,6 +52,39 @@ def test_ill_formed_records_are_named(tmp_path: Path, change: dict[str, Any], sa
     path.write_text(f"{json.dumps(GOOD)}\n{json.dumps(GOOD | change)}\n")
     with pytest.raises(PosesFormatError, match=rf"poses.jsonl, line 2: .*{said}"):
         list(read_poses(path))
+
+
+FIELDS = ("range_mm", "bearing", "range_sigma_mm", "bearing_sigma_deg", "quality")
+
+
+def older(record: dict[str, Any]) -> dict[str, Any]:
+    """A record as it was before these fields came."""
+    return {key: record[key] for key in record if key not in FIELDS}
+
+
+def test_an_older_file_is_completed_as_far_as_it_tells(tmp_path: Path) -> None:
+    told = records(bearing_at=(1,))[:2]
+    bare = older(told[0]) | {"position_sigma_mm": None, "attitude_sigma_deg": None}
+    path = tmp_path / "poses.jsonl"
+    path.write_text("".join(json.dumps(record) + "\n" for record in [*map(older, told), bare]))
+    *found, unknown = read_poses(path)
+    for record, expected in zip(found, told, strict=True):
+        assert record["range_mm"] == expected["range_mm"]
+        assert record["bearing"] == expected["bearing"]
+        assert record["quality"] == expected["quality"]
+        # Without the covariance nobody knows how the errors cancel.
+        assert record["range_sigma_mm"] is record["bearing_sigma_deg"] is None
+    assert unknown["quality"] is None
+
+
+def test_with_its_covariance_an_older_record_tells_all() -> None:
+    told = records(bearing_at=(1,))[1]
+    upper = on_an_arc(POSES[1])[np.triu_indices(6)].tolist()
+    found = completed(older(told) | {"covariance": upper})
+    assert found["range_sigma_mm"] == pytest.approx(told["range_sigma_mm"])
+    assert found["bearing_sigma_deg"] == pytest.approx(told["bearing_sigma_deg"])
+    bare = {"position_sigma_mm": None, "attitude_sigma_deg": None, "covariance": upper}
+    assert completed(older(told) | bare)["quality"] == "bearing"
 
 
 @pytest.mark.parametrize("text", ["pad", "[1]", "\x00\xff"])

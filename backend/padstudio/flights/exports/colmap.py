@@ -10,8 +10,9 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from padstudio.flights.exports.byte_stream import ByteStream
-from padstudio.flights.exports.options import ExportOptions, Record, pose_of
+from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
 
 _CAMERAS = """\
 # Camera list with one line of data per camera:
@@ -23,7 +24,7 @@ _IMAGES = """\
 #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
 #   POINTS2D[] as (X, Y, POINT3D_ID)
 # world to camera; the world is the pad frame, metres: X right and Y up the page, Z out of it
-# camera: x right, y down, z forward; frames without a pose are left out
+# camera: x right, y down, z forward; frames without a pose of quality full are left out
 """
 _POINTS = "# 3D point list: none\n"
 
@@ -31,7 +32,9 @@ _POINTS = "# 3D point list: none\n"
 def write_colmap(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
     """A zip with the three files of a sparse model.
 
-    Stills are named as they are; frame 412 of flight.mp4 is ``flight/000412.png``.
+    Poses of which only range and bearing can be used are left out: a reconstruction takes
+    positions and attitudes for known. Stills are named as they are; frame 412 of flight.mp4 is
+    ``flight/000412.png``.
 
     Raises
     ------
@@ -55,16 +58,15 @@ def _write(records: Iterable[Record], camera: Camera) -> Iterator[bytes]:
             images.write(_IMAGES.encode())
             number = 0
             for record in records:
-                if record["status"] == "ok":
+                pose = full_pose_of(record)
+                if pose is not None:
                     number += 1
-                    images.write(_image_lines(record, number).encode())
+                    images.write(_image_lines(record, pose, number).encode())
                     yield stream.take()
     yield stream.take()
 
 
-def _image_lines(record: Record, number: int) -> str:
-    pose = pose_of(record)
-    assert pose is not None
+def _image_lines(record: Record, pose: Pose, number: int) -> str:
     x, y, z, w = pose.quaternion_xyzw
     values = [w, -x, -y, -z, *(pose.tvec_mm / 1000)]
     numbers = " ".join(f"{value:.12g}" for value in values)

@@ -11,6 +11,7 @@ from padstudio.flights.exports.mavlink import write_ardupilot, write_px4
 from padstudio.flights.exports.mcap_log import write_mcap
 from padstudio.flights.exports.options import ExportOptions, Record, in_blocks
 from padstudio.flights.exports.text_tables import write_csv, write_jsonl, write_tum
+from padstudio.flights.results.completed import completed
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,12 @@ class Form:
 FORMS: dict[str, Form] = {
     "csv": Form(write_csv, ".csv", "text/csv", "A row a frame, for spreadsheets and pandas."),
     "jsonl": Form(write_jsonl, ".jsonl", "application/jsonl", "The poses file itself."),
-    "tum": Form(write_tum, ".tum.txt", "text/plain", "TUM trajectory, for evo."),
+    "tum": Form(write_tum, ".tum.txt", "text/plain", "TUM trajectory, for evo; full poses only."),
     "colmap": Form(
-        write_colmap, ".colmap.zip", "application/zip", "COLMAP text model: cameras and images."
+        write_colmap,
+        ".colmap.zip",
+        "application/zip",
+        "COLMAP text model: cameras, images of full poses.",
     ),
     "mcap": Form(
         write_mcap,
@@ -60,6 +64,9 @@ FORMS: dict[str, Form] = {
         "MAVLink LANDING_TARGET in the local frame, as PX4 reads it; needs the vehicle's poses.",
     ),
 }
+
+#: Forms whose readers take every pose for true: those of another quality are left out.
+FULL_POSES_ONLY = ("tum", "colmap")
 
 
 def export(
@@ -91,4 +98,4 @@ def export(
     """
     if form not in FORMS:
         raise NotFoundError(f"there is no form {form!r}; there are {', '.join(FORMS)}")
-    return in_blocks(FORMS[form].write(records, options or ExportOptions()))
+    return in_blocks(FORMS[form].write(map(completed, records), options or ExportOptions()))

@@ -1,8 +1,9 @@
 """MAVLink LANDING_TARGET as a telemetry log (.tlog), in the profiles that autopilots read.
 
 ArduPilot takes the target's position in the body frame; PX4 takes it in the local frame alone, for
-which the vehicle's own pose must be known. A .tlog is a sequence of packets, each after its time in
-microseconds of Unix time, 8 bytes big-endian.
+which the vehicle's own pose must be known. Range and bearing are enough for both, so poses of
+either quality are sent, those of quality ``full`` alone with the target's orientation. A .tlog is a
+sequence of packets, each after its time in microseconds of Unix time, 8 bytes big-endian.
 
 References
 ----------
@@ -21,7 +22,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.errors import SpecError
-from padstudio.flights.exports.options import ExportOptions, Record, pose_of, timed
+from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, timed
 from padstudio.geometry.pose import Pose
 
 # The pad as a frame of the autopilots' kind: x up the page, y to its right, z into it.
@@ -38,13 +39,33 @@ class Target:
     ----------
     position_m : (3,) float64
         The pad's centre.
-    rotation : (3, 3) float64
+    rotation : (3, 3) float64 or None
         Takes vectors of the pad as a frame x up the page, y right, z into it, to the same frame
-        as the position.
+        as the position; None where the attitude is not known.
     """
 
     position_m: Array
-    rotation: Array
+    rotation: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """Range and bearing of the pad's centre.
+
+    Attributes
+    ----------
+    range_m : float
+    bearing : (3,) float64
+        Unit vector in the camera frame.
+    """
+
+    range_m: float
+    bearing: Array
+
+    @property
+    def pad_in_camera_m(self) -> Array:
+        """(3,) float64, the pad's centre in the camera frame, metres."""
+        return self.range_m * self.bearing
 
 
 Place = Callable[[Target, float], Target | None]
@@ -78,18 +99,34 @@ def write_px4(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
         if found is None:
             return None
         position, rotation = found
-        return Target(position + rotation @ target.position_m, rotation @ target.rotation)
+        turned = None if target.rotation is None else rotation @ target.rotation
+        return Target(position + rotation @ target.position_m, turned)
 
     return _write(records, options, "MAV_FRAME_LOCAL_NED", to_local)
 
 
-def target_in_body(pose: Pose, options: ExportOptions) -> Target:
-    """The pad in the body frame of the vehicle that the camera is mounted on."""
+def target_in_body(sight: Sight, pose: Pose | None, options: ExportOptions) -> Target:
+    """The pad in the body frame of the vehicle that the camera is mounted on.
+
+    Parameters
+    ----------
+    sight : Sight
+    pose : Pose or None
+        Where all of it can be used.
+    options : ExportOptions
+    """
     mount = options.mount
     return Target(
-        mount.position_m + mount.rotation @ (pose.tvec_mm / 1000),
-        mount.rotation @ pose.rotation.T @ _R_PAD_TARGET,
+        mount.position_m + mount.rotation @ sight.pad_in_camera_m,
+        None if pose is None else mount.rotation @ pose.rotation.T @ _R_PAD_TARGET,
     )
+
+
+def sight_of(record: Record) -> Sight | None:
+    """A record's range and bearing; None where the frame failed."""
+    if record["status"] != "ok":
+        return None
+    return Sight(record["range_mm"] / 1000, np.array(record["bearing"], float))
 
 
 def _write(
@@ -107,14 +144,14 @@ def _write(
     start_us = round(options.start_unix_s * 1e6)
     yield packet(_header(common, frame), start_us)
     for record, time_s in timed(records):
-        pose = pose_of(record)
-        if pose is None:
+        sight = sight_of(record)
+        if sight is None:
             continue
-        body = target_in_body(pose, options)
+        body = target_in_body(sight, full_pose_of(record), options)
         target = place(body, time_s)
         if target is not None:
             time_us = start_us + round(time_s * 1e6)
-            fields = _angles(pose, body, options) | _position(target)
+            fields = _angles(sight, body, options) | _position(target)
             message = common.MAVLink_landing_target_message(
                 time_usec=time_us,
                 target_num=0,
@@ -132,10 +169,10 @@ def _header(common: Any, frame: str) -> Any:
     return common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, text)
 
 
-def _angles(pose: Pose, body: Target, options: ExportOptions) -> dict[str, float]:
+def _angles(sight: Sight, body: Target, options: ExportOptions) -> dict[str, float]:
     """Where the picture has the pad: positive to the right and down; and how large it is."""
     distance_m = float(np.linalg.norm(body.position_m))
-    x, y, z = pose.tvec_mm
+    x, y, z = sight.bearing
     width, height = options.pad_size_mm or (0.0, 0.0)
     return {
         "angle_x": math.atan2(x, z),
@@ -148,5 +185,8 @@ def _angles(pose: Pose, body: Target, options: ExportOptions) -> dict[str, float
 
 def _position(target: Target) -> dict[str, Any]:
     x, y, z = target.position_m
+    if target.rotation is None:
+        # Zeros are what MAVLink 2 reads where a field was not sent.
+        return {"x": x, "y": y, "z": z, "q": [0.0] * 4}
     q = Pose(target.position_m, target.rotation).quaternion_xyzw
     return {"x": x, "y": y, "z": z, "q": [q[3], q[0], q[1], q[2]]}

@@ -18,7 +18,7 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.flights.exports.byte_stream import ByteStream
 from padstudio.flights.exports.mcap_schemas import SCHEMAS
-from padstudio.flights.exports.options import ExportOptions, Record, pose_of, timed
+from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, pose_of, timed
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.media import content
@@ -29,17 +29,20 @@ TOPICS = {
     "/camera/image": "foxglove.CompressedImage",
     "/camera/calibration": "foxglove.CameraCalibration",
     "/camera/pose": "foxglove.PoseInFrame",
+    "/camera/bearing": "padstudio.RangeBearing",
     "/tf": "foxglove.FrameTransform",
     "/camera/annotations": "foxglove.ImageAnnotations",
 }
 _CONVENTION = {
     "pad": "origin at the pad's centre, X right and Y up the page, Z toward the camera; metres",
     "camera": "x right in the picture, y down, z forward; metres",
-    "pose": "of the camera in the pad frame; only where a frame gave one",
+    "pose": "of the camera in the pad frame; only where a frame gave one of quality full",
+    "bearing": "unit vector to the pad's centre in the camera frame; wherever a frame gave a pose",
 }
 # Foxglove's number of `PointsAnnotation.LINE_LIST`.
 _LINE_LIST = 4
 _GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 1.0}
+_AMBER = {"r": 1.0, "g": 0.7, "b": 0.1, "a": 1.0}
 _RED = {"r": 0.95, "g": 0.25, "b": 0.2, "a": 1.0}
 _CLEAR = {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.0}
 _SHADE = {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.6}
@@ -98,7 +101,9 @@ def _messages(
             "/camera/image",
             {"timestamp": stamp, "frame_id": "camera", "data": data, "format": kind},
         )
-    pose = pose_of(record)
+    if record["status"] == "ok":
+        yield "/camera/bearing", _range_bearing(record, stamp)
+    pose = full_pose_of(record)
     if pose is not None:
         place, turn = _vector(pose.position_mm / 1000), _quaternion(pose)
         yield (
@@ -119,7 +124,20 @@ def _messages(
                 "pose": {"position": place, "orientation": turn},
             },
         )
-    yield "/camera/annotations", _annotations(record, pose, camera, options, stamp)
+    yield "/camera/annotations", _annotations(record, camera, options, stamp)
+
+
+def _range_bearing(record: Record, stamp: Message) -> Message:
+    sigma_mm, sigma_deg = record.get("range_sigma_mm"), record.get("bearing_sigma_deg")
+    return {
+        "timestamp": stamp,
+        "frame_id": "camera",
+        "range": record["range_mm"] / 1000,
+        "bearing": dict(zip("xyz", record["bearing"], strict=True)),
+        "quality": record.get("quality") or "unknown",
+        **({} if sigma_mm is None else {"range_sigma": sigma_mm / 1000}),
+        **({} if sigma_deg is None else {"bearing_sigma_deg": sigma_deg}),
+    }
 
 
 def _calibration(camera: Camera, stamp: Message) -> Message:
@@ -139,20 +157,22 @@ def _calibration(camera: Camera, stamp: Message) -> Message:
     }
 
 
-def _annotations(
-    record: Record, pose: Pose | None, camera: Camera, options: ExportOptions, stamp: Message
-) -> Message:
+def _annotations(record: Record, camera: Camera, options: ExportOptions, stamp: Message) -> Message:
+    pose = pose_of(record)
     if pose is None:
-        text = f"failed at {record['stage']}: {record['reason']}"
+        text, colour = f"failed at {record['stage']}: {record['reason']}", _RED
+    elif record.get("quality") == "bearing":
+        text = f"{record['layer']}, range {record['range_mm']:.0f} mm, bearing only"
+        colour = _AMBER
     else:
-        text = f"{record['layer']}, height {pose.position_mm[2]:.0f} mm"
+        text, colour = f"{record['layer']}, height {pose.position_mm[2]:.0f} mm", _GREEN
     size = camera.height / 40
     label = {
         "timestamp": stamp,
         "position": {"x": size / 2, "y": 1.5 * size},
         "text": text,
         "font_size": size,
-        "text_color": _RED if pose is None else _GREEN,
+        "text_color": colour,
         "background_color": _SHADE,
     }
     lines = []
@@ -163,7 +183,7 @@ def _annotations(
             "type": _LINE_LIST,
             # From pixel centres to the corner of the top-left pixel.
             "points": [{"x": x + 0.5, "y": y + 0.5} for x, y in ends.tolist()],
-            "outline_color": _GREEN,
+            "outline_color": colour,
             "outline_colors": [],
             "fill_color": _CLEAR,
             "thickness": max(1.0, camera.height / 400),

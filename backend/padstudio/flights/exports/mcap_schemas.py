@@ -42,6 +42,12 @@ _LABEL = _object(
     background_color=_COLOR,
 )
 
+_RANGE_BEARING = _object(
+    timestamp=_TIME, frame_id=_TEXT, range=_NUMBER, bearing=_VECTOR3, quality=_TEXT
+)
+# Left out where they are not known.
+_RANGE_BEARING["properties"] |= {"range_sigma": _NUMBER, "bearing_sigma_deg": _NUMBER}
+
 #: Lengths are metres; annotations count pixels from the corner of the top-left pixel.
 SCHEMAS: dict[str, Schema] = {
     "foxglove.CompressedImage": _object(
@@ -73,6 +79,7 @@ SCHEMAS: dict[str, Schema] = {
         frame_id=_TEXT,
         pose=_object(position=_VECTOR3, orientation=_QUATERNION),
     ),
+    "padstudio.RangeBearing": _RANGE_BEARING,
     "foxglove.ImageAnnotations": _object(
         circles=_list(_object()), points=_list(_POINTS), texts=_list(_LABEL)
     ),

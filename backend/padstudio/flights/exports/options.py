@@ -71,6 +71,11 @@ def pose_of(record: Record) -> Pose | None:
     return Pose(np.array(record["position_mm"], float), np.array(record["rotation"], float))
 
 
+def full_pose_of(record: Record) -> Pose | None:
+    """A record's pose where all of it can be used: of quality ``full``."""
+    return pose_of(record) if record.get("quality") == "full" else None
+
+
 def in_blocks(pieces: Iterable[bytes]) -> Iterator[bytes]:
     """Join small pieces into blocks that are worth sending."""
     block = bytearray()

@@ -7,7 +7,7 @@ import io
 import json
 from collections.abc import Iterable, Iterator
 
-from padstudio.flights.exports.options import ExportOptions, Record, timed
+from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, timed
 
 #: The header says the convention: the camera in the pad frame, millimetres, degrees.
 COLUMNS = (
@@ -35,6 +35,13 @@ COLUMNS = (
     "sigma_about_camera_x_deg",
     "sigma_about_camera_y_deg",
     "sigma_about_camera_z_deg",
+    "quality",
+    "range_mm",
+    "range_sigma_mm",
+    "bearing_x",
+    "bearing_y",
+    "bearing_z",
+    "bearing_sigma_deg",
     "stage",
     "reason",
     "detail",
@@ -77,6 +84,9 @@ def _row(record: Record) -> list[object]:
         *(record.get(name) for name in _PLAIN),
         *_numbers(record, "position_sigma_mm", 3),
         *_numbers(record, "attitude_sigma_deg", 3),
+        *(record.get(name) for name in ("quality", "range_mm", "range_sigma_mm")),
+        *_numbers(record, "bearing", 3),
+        record.get("bearing_sigma_deg"),
         record.get("stage"),
         record.get("reason"),
         _text(record.get("detail")),
@@ -105,12 +115,12 @@ _TUM_HEADER = """\
 # timestamp tx ty tz qx qy qz qw
 # position of the camera in the pad frame, metres: X right and Y up the page, Z toward the camera
 # quaternion: takes camera vectors (x right, y down, z forward) to pad vectors, scalar last
-# timestamp: seconds{since}; frames without a pose are left out
+# timestamp: seconds{since}; frames without a pose of quality full are left out
 """
 
 
 def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
-    """``timestamp tx ty tz qx qy qz qw``, a line a pose.
+    """``timestamp tx ty tz qx qy qz qw``, a line a pose of quality ``full``.
 
     References
     ----------
@@ -119,7 +129,7 @@ def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     since = " of Unix time" if options.start_unix_s else ""
     yield _TUM_HEADER.format(since=since).encode()
     for record, time_s in timed(records):
-        if record["status"] == "ok":
+        if full_pose_of(record) is not None:
             position = (f"{value / 1000:.9f}" for value in record["position_mm"])
             quaternion = (f"{value:.12f}" for value in record["quaternion_xyzw"])
             stamp = f"{options.start_unix_s + time_s:.6f}"

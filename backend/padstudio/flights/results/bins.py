@@ -82,6 +82,8 @@ def _sum_up(frames: Sequence[Mapping[str, Any]], damaged: Collection[int]) -> Ro
             **counts,
             "poses": [poses[0], *(gap or ()), poses[-1]] if poses else [],
             "damaged": sum(frame["number"] in damaged for frame in frames),
+            "bearings": Counter(f["layer"] for f in frames if f.get("quality") == "bearing"),
+            "unknown": sum(f["status"] == "ok" and f.get("quality") is None for f in frames),
         },
     }
 

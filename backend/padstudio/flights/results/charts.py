@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, case, func, literal_column, select
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.results.answer_cache import KeptAnswers
@@ -17,8 +17,9 @@ from padstudio.flights.results.rows import rotation_of, select_rows
 from padstudio.media.telemetry import height_at
 from padstudio.store.database.flight_tables import FlightRow, FrameRow
 
-#: Outcomes of a column of the timeline, in the order of its lists.
-OUTCOMES = ("red", "green", "blue", "outline", "failed")
+#: Outcomes of a column of the timeline, in the order of its lists: the layer of a pose, but
+#: ``bearing`` where only range and bearing can be used.
+OUTCOMES = ("red", "green", "blue", "outline", "bearing", "failed")
 
 
 class FigureRows:
@@ -77,10 +78,11 @@ class FigureRows:
         Returns
         -------
         dict
-            ``trajectory``: columns ``frame``, ``time_s``, ``x_mm``, ``y_mm``, ``z_mm``, None
-            where a frame has no pose. ``samples``: ``number`` (from 1), ``frame``, and where
-            there is a pose ``position_mm`` and ``axis``, the unit vector along which the camera
-            looks. ``heights``: None without telemetry of heights, else ``telemetry_m``,
+            ``trajectory``: columns ``frame``, ``time_s``, ``x_mm``, ``y_mm``, ``z_mm`` and
+            ``quality``, None where a frame has no pose. ``samples``: ``number`` (from 1),
+            ``frame``, and where there is a pose its ``quality``, ``position_mm`` and ``axis``, the
+            unit vector along which the camera looks. ``heights``, of poses that are not of quality
+            ``bearing``: None without telemetry of heights, else ``telemetry_m``,
             ``pose_mm``, ``frame`` and ``fit`` (`HeightComparison`, or None).
         """
 
@@ -132,7 +134,7 @@ def _rows_by_column(
     return session.execute(
         select(
             column,
-            FrameRow.layer,
+            _outcome(),
             FrameRow.stage,
             func.count(),
             func.min(FrameRow.number),
@@ -142,18 +144,26 @@ def _rows_by_column(
             func.max(FrameRow.z_mm),
         )
         .where(FrameRow.flight == flight, FrameRow.number.between(start, stop))
-        .group_by(column, FrameRow.layer, FrameRow.stage)
+        .group_by(column, _outcome(), FrameRow.stage)
         .order_by(column)
     ).all()
 
 
+def _outcome() -> ColumnElement[str | None]:
+    # No parameter, as databases tell what is grouped by only where it stands there word by word.
+    bearing: ColumnElement[str] = literal_column("'bearing'")
+    return case((FrameRow.quality == bearing, bearing), else_=FrameRow.layer)
+
+
 def _bins_by_column(bins: Iterable[Any], start: int, width: int) -> Iterator[tuple[Any, ...]]:
-    """As `_merged` takes, from bins: an entry for each layer and for each failing stage."""
+    """As `_merged` takes, from bins: an entry for each outcome and for each failing stage."""
     for row in bins:
         column = (row.first_frame - start) // width
         about = row.first_frame, row.last_frame, row.time_s, row.z_min_mm, row.z_max_mm
+        bearings = row.body["bearings"]
         for layer, count in row.body["layers"].items():
-            yield column, layer, None, count, *about
+            yield column, layer, None, count - bearings.get(layer, 0), *about
+        yield column, "bearing", None, sum(bearings.values()), *about
         for stage, count in row.body["stages"].items():
             yield column, None, stage, count, *about
 
@@ -169,9 +179,9 @@ def _ends(session: Session, flight: int) -> tuple[int, int] | None:
 
 
 def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
-    """One entry a column from one row a column, layer and stage."""
+    """One entry a column from one row a column, outcome and stage."""
     merged: dict[int, dict[str, Any]] = {}
-    for column, layer, stage, count, first, last, time_s, z_min, z_max in rows:
+    for column, outcome, stage, count, first, last, time_s, z_min, z_max in rows:
         entry = merged.setdefault(
             int(column),
             {
@@ -185,7 +195,7 @@ def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
                 "stages": {},
             },
         )
-        entry["outcomes"][OUTCOMES.index(layer if layer in OUTCOMES else "failed")] += count
+        entry["outcomes"][OUTCOMES.index(outcome if outcome in OUTCOMES else "failed")] += count
         if stage is not None:
             entry["stages"][stage] = entry["stages"].get(stage, 0) + count
         for name, value, better in (
@@ -202,16 +212,16 @@ def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
 
 
 def _trajectory(session: Session, flight: FlightRow, points: int) -> dict[str, list[Any]]:
-    names = ("frame", "time_s", "x_mm", "y_mm", "z_mm")
+    names = ("frame", "time_s", "x_mm", "y_mm", "z_mm", "quality")
     ends = _ends(session, flight.key)
     if ends is None:
         return {name: [] for name in names}
     stride = int(flight.request.get("stride", 1))
     every = stride * -(-((ends[1] - ends[0]) // stride + 1) // points)
     numbers = range(ends[0], ends[1] + 1, every)
-    columns = (FrameRow.number, FrameRow.time_s, FrameRow.x_mm, FrameRow.y_mm, FrameRow.z_mm)
+    position = (FrameRow.x_mm, FrameRow.y_mm, FrameRow.z_mm)
     rows = session.execute(
-        select(*columns)
+        select(FrameRow.number, FrameRow.time_s, *position, FrameRow.quality)
         .where(FrameRow.flight == flight.key, FrameRow.number.in_(numbers))
         .order_by(FrameRow.number)
     ).all()
@@ -232,7 +242,8 @@ def _samples(session: Session, flight: FlightRow, count: int) -> list[dict[str, 
             row, body = found[number]
             # The camera looks along its z axis.
             axis = rotation_of(body["quaternion_xyzw"])[:, 2]
-            sample |= {"position_mm": [row.x_mm, row.y_mm, row.z_mm], "axis": axis.tolist()}
+            position = [row.x_mm, row.y_mm, row.z_mm]
+            sample |= {"quality": row.quality, "position_mm": position, "axis": axis.tolist()}
         samples.append(sample)
     return samples
 
@@ -242,6 +253,7 @@ def _heights(flight: FlightRow, trajectory: dict[str, list[Any]]) -> dict[str, A
         return None
     known = [place for place, z in enumerate(trajectory["z_mm"]) if z is not None]
     known = [place for place in known if trajectory["time_s"][place] is not None]
+    known = [place for place in known if trajectory["quality"][place] != "bearing"]
     heights = height_at(flight.telemetry, [trajectory["time_s"][place] for place in known])
     pairs = [(place, m) for place, m in zip(known, heights, strict=True) if m is not None]
     if not pairs:

@@ -23,7 +23,7 @@ class FrameFilter:
     Attributes
     ----------
     status : {"ok", "failed"} or None
-    reason, stage, layer : str or None
+    reason, stage, layer, quality : str or None
     from_s, to_s : float or None
         Time, s; the end is not within.
     min_height, max_height : float or None
@@ -34,6 +34,7 @@ class FrameFilter:
     reason: str | None = None
     stage: str | None = None
     layer: str | None = None
+    quality: str | None = None
     from_s: float | None = None
     to_s: float | None = None
     min_height: float | None = None
@@ -46,6 +47,7 @@ class FrameFilter:
             (self.reason, FrameRow.reason.__eq__),
             (self.stage, FrameRow.stage.__eq__),
             (self.layer, FrameRow.layer.__eq__),
+            (self.quality, FrameRow.quality.__eq__),
             (self.min_height, FrameRow.z_mm.__ge__),
             (self.max_height, FrameRow.z_mm.__le__),
         )

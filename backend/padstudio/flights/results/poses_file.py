@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from padstudio.errors import StudioError
+from padstudio.flights.results.completed import completed
 
 Record = dict[str, Any]
 
@@ -17,6 +18,16 @@ Record = dict[str, Any]
 _BLOCK_BYTES = 1 << 16
 _BEGINNING = b'{"source": '
 _SHAPES = {"position_mm": 3, "quaternion_xyzw": 4}
+# Those that older files lack, or whose value is not known.
+_OPTIONAL = {
+    "bearing": 3,
+    "position_sigma_mm": 3,
+    "attitude_sigma_deg": 3,
+    "covariance": 21,
+    "range_mm": 1,
+    "range_sigma_mm": 1,
+    "bearing_sigma_deg": 1,
+}
 
 
 class PosesFormatError(StudioError):
@@ -27,7 +38,7 @@ class PosesFormatError(StudioError):
 
 
 def read_poses(path: Path) -> Iterator[Record]:
-    """Records of a poses file, as they are asked for.
+    """Records of a poses file, as they are asked for, completed where an older program wrote them.
 
     Parameters
     ----------
@@ -44,7 +55,7 @@ def read_poses(path: Path) -> Iterator[Record]:
         for number, line in enumerate(file, 1):
             if line.strip():
                 try:
-                    yield parse_record(line)
+                    yield completed(parse_record(line))
                 except PosesFormatError as error:
                     raise PosesFormatError(
                         f"{path.name}, line {number}: {error.message}"
@@ -118,6 +129,15 @@ def _check_pose(record: Record) -> None:
         and all(_are_numbers(row, 3) for row in rotation)
     ):
         raise PosesFormatError("rotation must be 3 rows of 3 numbers")
+    for key, count in _OPTIONAL.items():
+        value = record.get(key)
+        if value is not None and not _are_numbers([value] if count == 1 else value, count):
+            wanted = "a number" if count == 1 else f"{count} numbers"
+            raise PosesFormatError(f"{key} must be {wanted}")
+    if record.get("quality") not in (None, "full", "bearing"):
+        raise PosesFormatError("quality must be full or bearing")
+    if not any(record["position_mm"]):
+        raise PosesFormatError("position_mm must not be the pad's centre")
 
 
 def _are_numbers(values: object, count: int = 1) -> bool:

@@ -11,11 +11,12 @@ from sqlalchemy import Select, insert, select
 from sqlalchemy.orm import Session
 
 from padstudio.flights.results.bins import bins_of
+from padstudio.flights.results.completed import completed
 from padstudio.store.database.flight_tables import FrameBinRow, FrameDetailRow, FrameRow
 
 Record = dict[str, Any]
 
-_IN_ROW = ("frame", "time_s", "status", "stage", "reason", "layer", "position_mm")
+_IN_ROW = ("frame", "time_s", "status", "stage", "reason", "layer", "quality", "position_mm")
 # Follows from the quaternion.
 _LEFT_OUT = ("rotation",)
 
@@ -36,11 +37,8 @@ def rows_of(
     for record in records:
         x, y, z = record.get("position_mm") or (None, None, None)
         key = {"flight": flight, "number": record["frame"]}
-        frames.append(
-            key
-            | {name: record.get(name) for name in ("time_s", "status", "stage", "reason", "layer")}
-            | {"x_mm": x, "y_mm": y, "z_mm": z}
-        )
+        told = {name: record.get(name) for name in _IN_ROW if name not in ("frame", "position_mm")}
+        frames.append(key | told | {"x_mm": x, "y_mm": y, "z_mm": z})
         body = {k: v for k, v in record.items() if k not in _IN_ROW and k not in _LEFT_OUT}
         details.append(key | {"chunk": chunk, "body": body})
     return frames, details
@@ -103,9 +101,11 @@ def record_of(frame: FrameRow, body: Mapping[str, Any]) -> Record:
             "rotation": rotation_of(body["quaternion_xyzw"]).tolist(),
             "layer": frame.layer,
         }
+        # Rows of an older program may be without, and then it follows from the rest.
+        record |= {"quality": frame.quality} if frame.quality else {}
     else:
         record |= {"stage": frame.stage, "reason": frame.reason}
-    return record | {key: value for key, value in body.items() if key != "source"}
+    return completed(record | {key: value for key, value in body.items() if key != "source"})
 
 
 def rotation_of(quaternion_xyzw: Sequence[float]) -> NDArray[np.float64]:

@@ -31,9 +31,11 @@ class Summaries:
         Returns
         -------
         dict
-            ``frames``, ``ok``, ``share_ok``; ``longest_gap`` (first and last frame, frames without
-            a pose, seconds between the poses around them); ``stages``, ``reasons`` and ``layers``
-            (counts, highest first); ``damaged``: frames of which the decoder made up a part.
+            ``frames``, ``ok``, ``share_ok``; ``qualities`` (poses that are ``full``, those of
+            which only the ``bearing`` and range can be used, and ``unknown``); ``longest_gap``
+            (first and last frame, frames without a pose, seconds between the poses around them);
+            ``stages``, ``reasons`` and ``layers`` (counts, highest first); ``damaged``: frames of
+            which the decoder made up a part.
         """
 
         def find_out() -> dict[str, Any]:
@@ -50,10 +52,17 @@ def _summary(session: Session, flight: FlightRow) -> dict[str, Any]:
         "frames": frames,
         "ok": ok,
         "share_ok": ok / frames if frames else None,
+        "qualities": _qualities(bins, ok),
         "longest_gap": _longest_gap(session, flight, bins),
         "damaged": sum(row.body["damaged"] for row in bins),
         **{name: counted(bins, name) for name in ("stages", "reasons", "layers")},
     }
+
+
+def _qualities(bins: Sequence[Any], ok: int) -> dict[str, int]:
+    bearing = sum(counted(bins, "bearings").values())
+    unknown = sum(row.body["unknown"] for row in bins)
+    return {"full": ok - bearing - unknown, "bearing": bearing, "unknown": unknown}
 
 
 def _longest_gap(session: Session, flight: FlightRow, bins: Sequence[Any]) -> dict[str, Any] | None:

@@ -112,6 +112,8 @@ class FrameRow(Base):
     stage: Mapped[str | None] = mapped_column(String(20))
     reason: Mapped[str | None] = mapped_column(String(40))
     layer: Mapped[str | None] = mapped_column(String(10))
+    #: ``full`` or ``bearing``; None without a pose, and where it is not known.
+    quality: Mapped[str | None] = mapped_column(String(10))
     x_mm: Mapped[float | None]
     y_mm: Mapped[float | None]
     #: Height over the pad.
@@ -150,7 +152,8 @@ class FrameBinRow(Base):
     z_min_mm: Mapped[float | None]
     z_max_mm: Mapped[float | None]
     #: Frames by ``layers``, ``stages`` and ``reasons``; ``poses``: the numbers of the first and the
-    #: last pose, and between them those of the two successive ones farthest apart; ``damaged``.
+    #: last pose, and between them those of the two successive ones farthest apart; ``damaged``;
+    #: ``bearings``: frames of that quality by layer; ``unknown``: poses of unknown quality.
     body: Mapped[dict[str, Any]] = mapped_column(JSON)
 
 

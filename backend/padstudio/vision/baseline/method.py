@@ -32,13 +32,13 @@ from padstudio.vision.frame.diagnosis import diagnose, examine
 from padstudio.vision.frame.prepare import Stretch, take_channel
 from padstudio.vision.frame.pyramid import Plane, Pyramid
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.outline.corner_pose import uncertainty, unsure
+from padstudio.vision.outline.corner_pose import unsure
 from padstudio.vision.outline.quadrilateral import (
     OutlinePose,
     find_outline,
     outline_pose,
 )
-from padstudio.vision.stage.detection import Detection
+from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Recorder, StageFailure
 
@@ -221,5 +221,5 @@ def _detection(found: WindowPose | OutlinePose, layer: LayerName) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=found.rms_px,
-        uncertainty=uncertainty(found.covariance),
+        uncertainty=Uncertainty.of(found.pose, found.covariance),
     )

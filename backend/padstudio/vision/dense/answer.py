@@ -48,9 +48,8 @@ def of_whole_sign(found: WholeSign, focal_px: float) -> Detection:
 
 def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
     covariance = with_picture_shift(fit.covariance, focal_px)
-    covariance = with_curvature(covariance, fit.pose.pose)
-    sigma = np.sqrt(np.diag(covariance))
-    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
+    pose = fit.pose.pose
+    return Uncertainty.of(pose, with_curvature(covariance, pose))
 
 
 def of_refined(refined: RefinedPose, choice: Choice) -> Detection:

@@ -55,12 +55,6 @@ def corner_covariance(
     return covariance
 
 
-def uncertainty(covariance: Array) -> Uncertainty:
-    """Standard deviations of a pose from its covariance (6, 6)."""
-    sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), covariance)
-
-
 def unsure(
     pose: Pose, covariance: Array, side_px: float, share: float, attitude_deg: float
 ) -> StageFailure | None:
@@ -75,7 +69,7 @@ def unsure(
     share, attitude_deg : float
         Most standard deviation of the position, as a share of the height, and of the attitude.
     """
-    sigma = uncertainty(covariance)
+    sigma = Uncertainty.of(pose, covariance)
     found = float(np.linalg.norm(sigma.position_sigma_mm)) / max(float(pose.position_mm[2]), 1.0)
     turn = float(sigma.attitude_sigma_deg.max())
     if found <= share and turn <= attitude_deg:

@@ -6,8 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
+
 from padstudio.arrays import Array
+from padstudio.geometry.curvature import without_curvature
 from padstudio.geometry.pose import Pose
+from padstudio.geometry.range_bearing import (
+    Quality,
+    bearing_sigma_deg,
+    quality_of,
+    range_sigma_mm,
+)
 from padstudio.vision.stage.trace import StageFailure, Trace
 
 Method = Literal["dense", "paper"]
@@ -27,11 +36,35 @@ class Uncertainty:
         About the camera's x, y, z.
     covariance : (6, 6) float64
         Position (mm, pad frame) then attitude (radians, about the camera's axes).
+    range_sigma_mm : float
+        Of the distance from the camera to the pad's centre.
+    bearing_sigma_deg : float
+        Of the direction to the pad's centre in the camera frame, where it is least sure.
     """
 
     position_sigma_mm: Array
     attitude_sigma_deg: Array
     covariance: Array
+    range_sigma_mm: float
+    bearing_sigma_deg: float
+
+    @classmethod
+    def of(cls, pose: Pose, covariance: Array) -> Uncertainty:
+        """Standard deviations of a pose from its covariance.
+
+        Range and bearing follow from its part of the first order: that poses which fit lie on an
+        arc about the pad makes a position less sure along the arc's radius, but not the range.
+
+        Parameters
+        ----------
+        pose : Pose
+        covariance : (6, 6) float64
+            With curvature (`padstudio.geometry.curvature`).
+        """
+        sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        linear = without_curvature(covariance, pose)
+        ranges = range_sigma_mm(pose, linear), bearing_sigma_deg(pose, linear)
+        return cls(sigma[:3], np.degrees(sigma[3:]), covariance, *ranges)
 
 
 @dataclass(frozen=True)
@@ -105,6 +138,36 @@ class Detection:
         """True where there is a pose."""
         return self.pose is not None
 
+    @property
+    def range_mm(self) -> float | None:
+        """Distance from the camera to the pad's centre; None without a pose."""
+        return None if self.pose is None else self.pose.range_mm
+
+    @property
+    def range_sigma_mm(self) -> float | None:
+        """One standard deviation of the range; None where unknown."""
+        return None if self.uncertainty is None else self.uncertainty.range_sigma_mm
+
+    @property
+    def bearing(self) -> Array | None:
+        """(3,) float64, unit vector to the pad's centre in the camera frame; None without a
+        pose."""
+        return None if self.pose is None else self.pose.bearing
+
+    @property
+    def bearing_sigma_deg(self) -> float | None:
+        """One standard deviation of the bearing; None where unknown."""
+        return None if self.uncertainty is None else self.uncertainty.bearing_sigma_deg
+
+    @property
+    def quality(self) -> Quality | None:
+        """``full``, or ``bearing`` where range and bearing alone can be used; None where
+        unknown."""
+        sigma = self.uncertainty
+        if self.pose is None or sigma is None:
+            return None
+        return quality_of(self.pose.range_mm, sigma.position_sigma_mm, sigma.attitude_sigma_deg)
+
     def to_record(
         self, source: str, *, frame: int = 0, time_s: float | None = None
     ) -> dict[str, Any]:
@@ -139,6 +202,9 @@ class Detection:
             "ambiguity": self.ambiguity,
             "position_sigma_mm": None if sigma is None else sigma.position_sigma_mm.tolist(),
             "attitude_sigma_deg": None if sigma is None else sigma.attitude_sigma_deg.tolist(),
+            "range_sigma_mm": self.range_sigma_mm,
+            "bearing_sigma_deg": self.bearing_sigma_deg,
+            "quality": self.quality,
         }
 
 
@@ -151,6 +217,8 @@ def pose_fields(pose: Pose) -> dict[str, Any]:
         "heading_deg": pose.heading_deg,
         "tilt_deg": pose.tilt_deg,
         "euler_deg": list(pose.euler_deg),
+        "range_mm": pose.range_mm,
+        "bearing": pose.bearing.tolist(),
     }
 
 

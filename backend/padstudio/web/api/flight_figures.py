@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field
@@ -19,7 +19,7 @@ _COLUMN: dict[str, Any] = {
     "time_s": 0.0,
     "z_min_mm": 980.2,
     "z_max_mm": 1043.2,
-    "outcomes": [20, 0, 8, 0, 2],
+    "outcomes": [20, 0, 6, 0, 2, 2],
     "stages": {"decode": 2},
 }
 _TIMELINE: dict[str, Any] = {
@@ -35,9 +35,16 @@ _FIGURES: dict[str, Any] = {
         "x_mm": [-202.6, None],
         "y_mm": [-192.2, None],
         "z_mm": [1043.2, None],
+        "quality": ["full", None],
     },
     "samples": [
-        {"number": 1, "frame": 0, "position_mm": [-202.6, -192.2, 1043.2], "axis": [0.0, 0.1, -1.0]}
+        {
+            "number": 1,
+            "frame": 0,
+            "quality": "full",
+            "position_mm": [-202.6, -192.2, 1043.2],
+            "axis": [0.0, 0.1, -1.0],
+        }
     ],
     "heights": None,
 }
@@ -53,7 +60,8 @@ class TimelineColumn(BaseModel):
     z_min_mm: float | None
     z_max_mm: float | None
     outcomes: list[int] = Field(
-        description="Frames read from the layers red, green, blue, from the outline; failed ones."
+        description="Frames read from the layers red, green, blue, from the outline; those of "
+        "which only range and bearing are to be used; failed ones."
     )
     stages: dict[str, int] = Field(description="First failing stage: frames.")
 
@@ -72,6 +80,7 @@ class PoseSample(BaseModel):
 
     number: int = Field(description="From 1.")
     frame: int
+    quality: Literal["full", "bearing"] | None = None
     position_mm: tuple[float, float, float] | None = None
     axis: tuple[float, float, float] | None = Field(
         None, description="Unit vector along which the camera looks, in the pad frame."
@@ -101,8 +110,8 @@ class HeightPairs(BaseModel):
 class FlightFigures(BaseModel):
     model_config = ConfigDict(json_schema_extra={"examples": [_FIGURES]})
 
-    trajectory: dict[str, list[float | None]] = Field(
-        description="Columns frame, time_s, x_mm, y_mm, z_mm; null without a pose."
+    trajectory: dict[str, list[float | str | None]] = Field(
+        description="Columns frame, time_s, x_mm, y_mm, z_mm, quality; null without a pose."
     )
     samples: list[PoseSample]
     heights: HeightPairs | None = Field(description="null without telemetry.")

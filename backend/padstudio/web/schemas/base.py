@@ -96,6 +96,11 @@ DETECTION_EXAMPLE: dict[str, Any] = {
         "reprojection_px": 0.21,
         "position_sigma_mm": [0.3, 0.3, 0.2],
         "attitude_sigma_deg": [0.01, 0.01, 0.002],
+        "range_mm": 1305.2,
+        "range_sigma_mm": 0.2,
+        "bearing": [-0.0095, -0.0614, 0.9981],
+        "bearing_sigma_deg": 0.002,
+        "quality": "full",
         "elapsed_ms": {"stretch": 2.1, "lines": 6.4, "total": 18.9},
     },
     "image": {"width": 2720, "height": 1530},
@@ -308,7 +313,10 @@ class DetectionAnswer(BaseModel):
 
     model_config = _example(DETECTION_EXAMPLE)
 
-    result: dict[str, Any] = Field(description="A line of a poses file.")
+    result: dict[str, Any] = Field(
+        description="A line of a poses file; with quality `bearing` only its range and bearing "
+        "are to be used."
+    )
     image: ImageSize
     camera_scale: float = Field(
         description="By which the calibration was scaled to the picture's size."

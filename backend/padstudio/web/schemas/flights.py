@@ -79,6 +79,7 @@ SUMMARY_EXAMPLE: dict[str, Any] = {
     "frames": 60,
     "ok": 58,
     "share_ok": 0.9667,
+    "qualities": {"full": 55, "bearing": 3, "unknown": 0},
     "longest_gap": {"first_frame": 3, "last_frame": 4, "frames": 2, "seconds": 0.1},
     "stages": {"decode": 2},
     "reasons": {"unknown_code": 2},
@@ -203,6 +204,17 @@ class FrameResult(BaseModel):
     frame: int
     time_s: float | None
     status: Literal["ok", "failed"]
+    quality: Literal["full", "bearing"] | None = Field(
+        None,
+        description="Of a pose: `full`, or `bearing` where only its range and bearing are to be "
+        "used; null where unknown.",
+    )
+    range_mm: float | None = Field(None, description="From the camera to the pad's centre.")
+    range_sigma_mm: float | None = Field(None, description="One standard deviation.")
+    bearing: tuple[float, float, float] | None = Field(
+        None, description="Unit vector to the pad's centre in the camera frame."
+    )
+    bearing_sigma_deg: float | None = Field(None, description="One standard deviation.")
 
 
 class FrameQuery(BaseModel):
@@ -212,6 +224,7 @@ class FrameQuery(BaseModel):
     reason: str | None = Field(None, max_length=40)
     stage: str | None = Field(None, max_length=20)
     layer: str | None = Field(None, max_length=10)
+    quality: Literal["full", "bearing"] | None = None
     from_s: float | None = Field(None, allow_inf_nan=False)
     to_s: float | None = Field(None, allow_inf_nan=False)
     min_height: float | None = Field(None, allow_inf_nan=False, description="Over the pad, mm.")
@@ -243,6 +256,10 @@ class FlightSummary(BaseModel):
     frames: int
     ok: int
     share_ok: float | None
+    qualities: dict[str, int] = Field(
+        description="Poses that are `full`, those of which only the `bearing` and range are to be "
+        "used, and those of `unknown` quality."
+    )
     longest_gap: dict[str, Any] | None
     stages: dict[str, int] = Field(description="First failing stage: frames.")
     reasons: dict[str, int]
