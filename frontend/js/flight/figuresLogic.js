@@ -23,6 +23,44 @@ const abscissa = ({ time_s: times, frame }) =>
     ? { values: times, title: "Time (s)" }
     : { values: frame, title: "Frame" };
 
+/** Places of frames of which range and bearing alone can be used. @param {Trajectory} trajectory */
+const bearingsOf = ({ quality = [] }) => quality.flatMap((each, place) => (each === "bearing" ? [place] : []));
+
+/** A column without the figures that are too uncertain. @param {Trajectory} trajectory @param {"x_mm" | "y_mm" | "z_mm"} column */
+const trusted = ({ quality = [], ...columns }, column) =>
+  columns[column].map((mm, place) => (quality[place] === "bearing" ? null : mm));
+
+/**
+ * The range where it is all that is known of the distance: hollow points, none where there are no such frames.
+ * @param {Trajectory} trajectory
+ * @param {number[]} places
+ * @param {Palette} palette
+ */
+function rangeTrace(trajectory, places, palette) {
+  if (!places.length) return [];
+  const { x_mm: x, y_mm: y, z_mm: z, frame } = trajectory;
+  return [{
+    type: "scatter", mode: "markers", name: "Range (bearing only)",
+    x: places.map((place) => abscissa(trajectory).values[place]),
+    y: places.map((place) => metres(Math.hypot(x[place] ?? 0, y[place] ?? 0, z[place] ?? 0))),
+    customdata: places.map((place) => frame[place]),
+    marker: { color: palette.height, symbol: "circle-open", size: 5 },
+    hovertemplate: "%{y:.3f} m away<extra>range and bearing only, frame %{customdata}</extra>",
+  }];
+}
+
+/**
+ * What the trajectory leaves out; empty where nothing.
+ * @param {Figures} figures
+ * @returns {string}
+ */
+export function trajectoryInWords({ trajectory }) {
+  const count = bearingsOf(trajectory).length;
+  if (!count) return "";
+  const frames = count === 1 ? "1 frame shows" : `${number(count)} frames show`;
+  return `${frames} range and bearing only: hollow points at the range, as the place is too uncertain.`;
+}
+
 /**
  * Height and both horizontal coordinates over time.
  * @param {Figures} figures
@@ -31,6 +69,7 @@ const abscissa = ({ time_s: times, frame }) =>
  * @returns {Chart}
  */
 export function trajectoryChart(figures, other, palette) {
+  const bearings = bearingsOf(figures.trajectory);
   const { title } = abscissa(figures.trajectory);
   /** @type {["x_mm" | "y_mm" | "z_mm", string, string][]} */
   const lines = [
@@ -44,7 +83,7 @@ export function trajectoryChart(figures, other, palette) {
       mode: isOther ? "lines" : "lines+markers",
       name: isOther ? `${name}, other run` : name,
       x: abscissa(trajectory).values,
-      y: trajectory[column].map(metres),
+      y: trusted(trajectory, column).map(metres),
       customdata: trajectory.frame,
       connectgaps: false,
       line: { color: colour, width: isOther ? 1 : 1.5, dash: isOther ? "dot" : "solid" },
@@ -52,7 +91,7 @@ export function trajectoryChart(figures, other, palette) {
       hovertemplate: `%{y:.3f} m<extra>${name}, frame %{customdata}</extra>`,
     }));
   return {
-    data: [...(other ? traces(other, true) : []), ...traces(figures, false)],
+    data: [...(other ? traces(other, true) : []), ...traces(figures, false), ...rangeTrace(figures.trajectory, bearings, palette)],
     layout: { hovermode: "x unified", xaxis: { title }, yaxis: { title: "Metres in the pad frame" } },
   };
 }
@@ -65,10 +104,10 @@ export function trajectoryChart(figures, other, palette) {
  * @returns {Chart}
  */
 export function spaceChart({ trajectory, samples }, padSize, palette) {
-  const found = samples.filter((sample) => sample.position_mm && sample.axis);
+  const found = samples.filter((sample) => sample.position_mm && sample.axis && sample.quality !== "bearing");
   const at = (/** @type {0 | 1 | 2} */ axis) =>
     found.map(({ position_mm: position }) => /** @type {number[]} */ (position)[axis] / 1000);
-  const heights = trajectory.z_mm.flatMap((mm) => (mm === null ? [] : [mm / 1000]));
+  const heights = trusted(trajectory, "z_mm").flatMap((mm) => (mm === null ? [] : [mm / 1000]));
   const cone = 0.07 * Math.max(...heights, 0.2);
   // A cone's tip stands where the camera is, its base faces what the camera sees.
   const along = (/** @type {0 | 1 | 2} */ axis) =>
@@ -78,7 +117,8 @@ export function spaceChart({ trajectory, samples }, padSize, palette) {
   const data = [
     {
       type: "scatter3d", mode: "lines", name: "Way", hoverinfo: "skip", connectgaps: false,
-      x: trajectory.x_mm.map(metres), y: trajectory.y_mm.map(metres), z: trajectory.z_mm.map(metres),
+      x: trusted(trajectory, "x_mm").map(metres), y: trusted(trajectory, "y_mm").map(metres),
+      z: trusted(trajectory, "z_mm").map(metres),
       line: { color: palette.other, width: 2 },
     },
     {
@@ -148,10 +188,15 @@ function scene(palette, distance) {
  * @returns {string}
  */
 export function samplesInWords(samples) {
-  const missing = samples.filter((sample) => !sample.position_mm).map((sample) => sample.number);
+  const numbers = (/** @type {Figures["samples"]} */ some) => some.map((sample) => sample.number);
+  const missing = numbers(samples.filter((sample) => !sample.position_mm));
+  const bearing = numbers(samples.filter((sample) => sample.quality === "bearing"));
   const every = `${number(samples.length)} frames at equal distances`;
-  if (!missing.length) return `${every}, all with a pose.`;
-  return `${every}; ${missing.join(", ")} ${missing.length === 1 ? "is" : "are"} missing: no pose.`;
+  if (!missing.length && !bearing.length) return `${every}, all with a pose.`;
+  const parts = /** @type {[number[], string][]} */ ([[missing, "no pose"], [bearing, "range and bearing only"]])
+    .filter(([some]) => some.length)
+    .map(([some, why]) => `${some.join(", ")} ${some.length === 1 ? "is" : "are"} missing: ${why}`);
+  return `${every}; ${parts.join("; ")}.`;
 }
 
 /** The middle of each column, s or frame. @param {Timeline} timeline */

@@ -67,10 +67,13 @@ export function flightNotes({ notice, sources = [] }) {
  * @returns {[string, string][]}
  */
 export function summaryFacts(summary) {
-  const { frames, ok, longest_gap: gap, layers, damaged } = summary;
+  const { frames, ok, qualities, longest_gap: gap, layers, damaged } = summary;
   if (!frames) return [["Frames", "none read yet"]];
   /** @type {[string, string][]} */
   const facts = [["With a pose", `${number(ok)} of ${number(frames)}, ${percent(ok, frames)}`]];
+  facts.push(["Full poses", number(qualities.full)], ["Range and bearing only", number(qualities.bearing)]);
+  if (qualities.unknown) facts.push(["Of unknown quality", number(qualities.unknown)]);
+  facts.push(["Without a pose", number(frames - ok)]);
   facts.push(["Longest gap", gap ? gapInWords(gap) : "none"]);
   for (const [layer, count] of Object.entries(layers)) {
     facts.push([layer === "outline" ? "From the outline" : `From the ${layer} layer`, percent(count, ok)]);

@@ -7,6 +7,7 @@
  * @property {string} status  "", "ok" or "failed"
  * @property {string} reason  empty: any
  * @property {string} layer  empty: any
+ * @property {string} quality  "", "full" or "bearing"
  * @property {number | null} from_s
  * @property {number | null} to_s
  * @property {number | null} min_height  mm over the pad
@@ -19,17 +20,18 @@
  */
 
 import { clock, length, number } from "../shared/formatLogic.js";
+import { isBearing, rangeInWords } from "../shared/poseLogic.js";
 import { reasonInWords } from "../shared/stagesLogic.js";
 
 export const PAGE_FRAMES = 25;
 /** What the address says of a table that is open and shows all frames. */
 const ALL = "all";
-const TEXTS = /** @type {const} */ (["status", "reason", "layer"]);
+const TEXTS = /** @type {const} */ (["status", "reason", "layer", "quality"]);
 const NUMBERS = /** @type {const} */ (["from_s", "to_s", "min_height", "max_height"]);
 
 /** @returns {Filter} that asks for nothing */
 export const noFilter = () => ({
-  status: "", reason: "", layer: "", from_s: null, to_s: null, min_height: null, max_height: null,
+  status: "", reason: "", layer: "", quality: "", from_s: null, to_s: null, min_height: null, max_height: null,
 });
 
 /** @param {Filter | null} filter  null: the table is closed @returns {string | null} for the address */
@@ -86,6 +88,9 @@ export function rowOf(record, current) {
   if (record.status === "ok") {
     const [x, y, z] = record.position_mm ?? [0, 0, 0];
     const { layer = "", cells_read: read, cells_wrong: wrong } = record;
+    if (isBearing(record)) {
+      return { ...row, outcome: `${layer}, bearing only`, kind: "bearing", height: "", place: "", detail: rangeInWords(record) };
+    }
     const cells = read ? `${number(read)} cells read${wrong ? `, ${number(wrong)} wrong` : ""}` : "";
     return { ...row, outcome: layer, kind: layer, height: length(z), place: `${length(x)}, ${length(y)}`, detail: cells };
   }

@@ -20,7 +20,9 @@ const CELLS = 11;
 const LEAST_FAILED = 2;
 /** Columns so wide are single frames, and stand apart. */
 const APART_FROM_PX = 5;
-const COLOURS = ["red", "green", "blue", "accent", "failed"];
+const COLOURS = ["red", "green", "blue", "accent", "failed", "bearing"];
+/** From the foot up: failures on top, where a single one is seen. */
+const STACKED = ["red", "green", "blue", "outline", "bearing", "failed"].map((name) => OUTCOMES.indexOf(name));
 
 /**
  * @param {Shown} shown
@@ -131,9 +133,9 @@ function stripOf(timeline, pixel, colour) {
 export function cellsOf(column) {
   const total = countOf(column);
   let sum = 0;
-  const ends = column.outcomes.map((frames) => (sum += frames) / total);
+  const ends = STACKED.map((outcome) => (sum += column.outcomes[outcome] ?? 0) / total);
   return Array.from({ length: CELLS }, (_, cell) => {
     const isFailed = failedOf(column) > 0 && cell >= CELLS - LEAST_FAILED;
-    return isFailed ? OUTCOMES.indexOf("failed") : ends.findIndex((end) => end > (cell + 0.5) / CELLS);
+    return isFailed ? OUTCOMES.indexOf("failed") : STACKED[ends.findIndex((end) => end > (cell + 0.5) / CELLS)];
   });
 }

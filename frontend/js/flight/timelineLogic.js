@@ -11,8 +11,9 @@
 
 import { clock, length, number, percent } from "../shared/formatLogic.js";
 
-export const OUTCOMES = ["red", "green", "blue", "outline", "failed"];
+export const OUTCOMES = ["red", "green", "blue", "outline", "failed", "bearing"];
 const FAILED = OUTCOMES.indexOf("failed");
+const BEARING = OUTCOMES.indexOf("bearing");
 const LEAST_FRAMES = 20;
 
 /**
@@ -115,6 +116,9 @@ export const countOf = (column) => column.outcomes.reduce((sum, count) => sum + 
 /** @param {Column} column @returns {number} */
 export const failedOf = (column) => column.outcomes[FAILED];
 
+/** @param {Column} column @returns {number} of which range and bearing alone can be used */
+export const bearingOf = (column) => column.outcomes[BEARING] ?? 0;
+
 /**
  * The heights that the columns span, 0 among them, lest a hover look like a flight to the moon.
  * @param {Column[][]} runs
@@ -157,8 +161,10 @@ export function columnInWords(column, frame) {
     parts.push(same ? length(high) : `${length(low)} – ${length(high)}`);
   }
   const [count, failed] = [countOf(column), failedOf(column)];
-  if (count === 1) parts.push(failed ? "no pose" : OUTCOMES[column.outcomes.findIndex(Boolean)]);
-  else parts.push(failed ? `${number(failed)} without a pose` : `all ${number(count)} with a pose`);
+  const bearing = bearingOf(column);
+  if (count === 1 && !bearing) parts.push(failed ? "no pose" : OUTCOMES[column.outcomes.findIndex(Boolean)]);
+  if (count > 1) parts.push(failed ? `${number(failed)} without a pose` : `all ${number(count)} with a pose`);
+  if (bearing) parts.push(`${count > 1 ? `${number(bearing)} with ` : ""}range and bearing only`);
   return parts.join(" · ");
 }
 

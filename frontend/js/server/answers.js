@@ -135,11 +135,18 @@
  * @property {number} [reprojection_px]
  * @property {[number, number, number] | null} [position_sigma_mm]
  * @property {[number, number, number] | null} [attitude_sigma_deg]
+ * @property {number} [range_mm]  from the camera to the pad's centre
+ * @property {number | null} [range_sigma_mm]
+ * @property {[number, number, number]} [bearing]  unit vector to the pad's centre, camera frame
+ * @property {number | null} [bearing_sigma_deg]
+ * @property {Quality | null} [quality]  null where unknown
  * @property {string} [stage]
  * @property {string} [reason]
  * @property {string} [detail]
  * @property {string} [advice]
  * @property {Record<string, number>} elapsed_ms
+ *
+ * @typedef {"full" | "bearing"} Quality  "bearing": range and bearing alone can be used
  *
  * @typedef {object} Failure
  * @property {string} stage
@@ -183,6 +190,7 @@
  * @property {(number | null)[]} x_mm
  * @property {(number | null)[]} y_mm
  * @property {(number | null)[]} z_mm
+ * @property {(Quality | null)[]} quality
  *
  * @typedef {object} HeightFit
  * @property {number} slope
@@ -196,7 +204,7 @@
  *
  * @typedef {object} Figures
  * @property {Trajectory} trajectory
- * @property {{number: number, frame: number, position_mm: [number, number, number] | null,
+ * @property {{number: number, frame: number, quality?: Quality | null, position_mm: [number, number, number] | null,
  *   axis: [number, number, number] | null}[]} samples
  * @property {{frame: number[], telemetry_m: number[], pose_mm: number[], fit: HeightFit | null} | null} heights
  */

@@ -54,6 +54,7 @@
  * @property {number} frames
  * @property {number} ok
  * @property {number | null} share_ok
+ * @property {{full: number, bearing: number, unknown: number}} qualities  of the poses
  * @property {{first_frame: number, last_frame: number, frames: number, seconds: number | null} | null} longest_gap
  * @property {Record<string, number>} stages
  * @property {Record<string, number>} reasons

@@ -4,7 +4,7 @@
  * @typedef {import("../server/answers.js").PoseRecord} PoseRecord
  */
 
-import { duration, length, number, powerOfTen } from "./formatLogic.js";
+import { duration, length, number, percent, powerOfTen } from "./formatLogic.js";
 import { reasonInWords, stageTitle } from "./stagesLogic.js";
 
 /** Below this a shift or a turn is nothing that a reader would act on. */
@@ -17,8 +17,75 @@ const NEGLIGIBLE_DEG = 0.05;
  * @returns {string}
  */
 export function verdict(record) {
-  if (record.status === "ok") return `Pose found from the ${record.layer} ${layerNoun(record)}`;
+  const found = isBearing(record) ? "Range and direction found" : "Pose found";
+  if (record.status === "ok") return `${found} from the ${record.layer} ${layerNoun(record)}`;
   return `No pose: ${reasonInWords(record.reason ?? "")} at stage ${stageTitle(record.stage ?? "")}`;
+}
+
+/** @param {PoseRecord} record @returns {boolean} whether range and bearing alone can be used */
+export const isBearing = (record) => record.status === "ok" && record.quality === "bearing";
+
+/** @param {PoseRecord} record @returns {string} a word or two beside the verdict; empty for a full pose */
+export function qualityBadge(record) {
+  if (record.status !== "ok" || record.quality === "full") return "";
+  return isBearing(record) ? "bearing only" : "quality unknown";
+}
+
+/**
+ * Where the pad's centre is, seen by the camera.
+ * @param {PoseRecord} record  with status ok
+ * @returns {{right: number, down: number}} degrees from straight ahead, in the picture
+ */
+function direction({ bearing }) {
+  const [x, y, z] = bearing ?? [0, 0, 1];
+  const degrees = (/** @type {number} */ side) => (Math.atan2(side, z) * 180) / Math.PI;
+  return { right: degrees(x), down: degrees(y) };
+}
+
+/** @param {PoseRecord} record @returns {string} such as "3.1° to the right and 1.0° up" */
+function directionInWords(record) {
+  const { right, down } = direction(record);
+  const part = (/** @type {number} */ turn, /** @type {string} */ positive, /** @type {string} */ negative) =>
+    Math.abs(turn) < NEGLIGIBLE_DEG ? "" : `${number(Math.abs(turn), 1)}° ${turn > 0 ? positive : negative}`;
+  const parts = [part(right, "to the right", "to the left"), part(down, "down", "up")];
+  return parts.filter(Boolean).join(" and ") || "straight ahead";
+}
+
+/** @param {PoseRecord} record  with status ok @returns {string} such as "16.20 m ± 90.0 mm, 3.1° to the right" */
+export const rangeInWords = (record) => `${rangeText(record)}, ${directionInWords(record)}`;
+
+/** @param {PoseRecord} record */
+const rangeText = ({ range_mm: range = 0, range_sigma_mm: sigma }) =>
+  `${length(range)}${typeof sigma === "number" ? ` ± ${length(sigma)}` : ""}`;
+
+/**
+ * Range and direction in figures.
+ * @param {PoseRecord} record  with status ok
+ * @returns {[string, string][]}
+ */
+export function rangeFacts(record) {
+  if (record.range_mm === undefined) return [];
+  const { right, down } = direction(record);
+  const sigma = record.bearing_sigma_deg;
+  /** @type {[string, string][]} */
+  const facts = [["Range", rangeText(record)]];
+  facts.push(["Right of straight ahead", `${number(right, 2)}°`], ["Below it", `${number(down, 2)}°`]);
+  if (typeof sigma === "number") facts.push(["Direction ±", `${number(sigma, 3)}°`]);
+  facts.push(["Bearing xyz", (record.bearing ?? []).map((part) => number(part, 4)).join(", ")]);
+  return facts;
+}
+
+/**
+ * Why the attitude is not to be used; empty where it is.
+ * @param {PoseRecord} record
+ * @returns {string}
+ */
+export function doubtInWords(record) {
+  if (!isBearing(record)) return "";
+  const shift = Math.hypot(...(record.position_sigma_mm ?? []));
+  const turn = Math.hypot(...(record.attitude_sigma_deg ?? []));
+  return `Not to be used: one standard deviation is ${number(turn, 1)}° of attitude and ${length(shift)} of place, ` +
+    `${percent(shift, record.range_mm ?? 0)} of the distance. A pad that is small in the picture hardly shows its tilt.`;
 }
 
 /** @param {PoseRecord} record */
@@ -30,6 +97,10 @@ const layerNoun = (record) => (record.layer === "outline" ? "of the pad" : "laye
  * @returns {string[]}
  */
 export function poseInWords(record) {
+  if (isBearing(record)) {
+    return [`The pad's centre is ${rangeText(record)} away, ${directionInWords(record)}.`,
+      "The camera's attitude, and so the place across, is too uncertain to use."];
+  }
   const [x, y, z] = record.position_mm ?? [0, 0, 0];
   const side = shift(x, "to the right", "to the left");
   const along = shift(y, "up the page", "down the page");

@@ -15,6 +15,7 @@
  */
 
 import { length } from "./formatLogic.js";
+import { isBearing } from "./poseLogic.js";
 import { reasonInWords, stageTitle } from "./stagesLogic.js";
 
 let count = 0;
@@ -84,7 +85,9 @@ export function frameNote(frame) {
     case "waiting": return "waiting";
     case "running": return "reading …";
     case "refused": return "not readable";
-    case "ok": return `${length(result?.position_mm?.[2] ?? 0)}, ${result?.layer}`;
+    case "ok":
+      if (result && isBearing(result)) return `${length(result.range_mm ?? 0)} away, bearing only`;
+      return `${length(result?.position_mm?.[2] ?? 0)}, ${result?.layer}`;
     default: return `${stageTitle(result?.stage ?? "")}: ${reasonInWords(result?.reason ?? "")}`;
   }
 }
@@ -97,8 +100,10 @@ export function frameNote(frame) {
 export function tally(frames) {
   const number = (/** @type {Frame["status"][]} */ ...states) =>
     frames.filter((frame) => states.includes(frame.status)).length;
+  const bearings = frames.filter(({ answer }) => answer && isBearing(answer.result)).length;
   const parts = [
-    [number("ok"), "with a pose"],
+    [number("ok") - bearings, "with a pose"],
+    [bearings, "with range and bearing only"],
     [number("failed"), "without"],
     [number("refused"), "not readable"],
     [number("waiting", "running"), "to read"],

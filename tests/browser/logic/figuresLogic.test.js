@@ -1,5 +1,6 @@
 import {
   heightsChart, heightsInWords, outcomesChart, samplesInWords, spaceChart, stagesChart, trajectoryChart,
+  trajectoryInWords,
 } from "/static/js/flight/figuresLogic.js";
 import { contains, equal, near } from "./check.js";
 
@@ -33,6 +34,20 @@ export const tests = {
     equal(data[0].y, [2, null, 1.5]);
     equal([data[0].connectgaps, layout.xaxis.title], [false, "Time (s)"]);
     equal(trajectoryChart(figures, figures, palette).data.length, 6);
+  },
+  "where range and bearing alone are known, the range is shown and no place": () => {
+    const trajectory = { ...figures.trajectory, quality: ["bearing", null, "full"] };
+    const { data } = trajectoryChart({ ...figures, trajectory }, null, palette);
+    equal(data[0].y, [null, null, 1.5]);
+    equal([data[3].name, data[3].x, data[3].customdata], ["Range (bearing only)", [0], [0]]);
+    near(data[3].y[0], Math.hypot(0.1, 0, 2), 1e-9);
+    contains(trajectoryInWords({ trajectory }), "1 frame shows range and bearing only");
+    equal(trajectoryInWords(figures), "");
+    const samples = figures.samples.map((sample, at) => ({ ...sample, quality: trajectory.quality[at] }));
+    const [, way, cones, names] = spaceChart({ ...figures, trajectory, samples }, [1250, 1000], palette).data;
+    equal([way.z, cones.z.length, names.text], [[null, null, 1.5], 1, ["3"]]);
+    equal(samplesInWords(samples),
+      "3 frames at equal distances; 2 is missing: no pose; 1 is missing: range and bearing only.");
   },
   "without times the trajectory stands over frames": () => {
     const stills = { ...figures, trajectory: { ...figures.trajectory, time_s: [null, null, null] } };

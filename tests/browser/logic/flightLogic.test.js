@@ -65,11 +65,15 @@ export const tests = {
     for (const text of ["{", "[1]", "3", "null"]) contains(paramsFrom(text).fault, "JSON object");
   },
   "figures of the summary": () => {
-    const summary = { frames: 60, ok: 58, longest_gap: { first_frame: 3, frames: 2, seconds: 0.1 }, layers: { red: 29, outline: 29 } };
+    const qualities = { full: 55, bearing: 3, unknown: 0 };
+    const summary = { frames: 60, ok: 58, qualities, longest_gap: { first_frame: 3, frames: 2, seconds: 0.1 }, layers: { red: 29, outline: 29 } };
     equal(summaryFacts(summary), [
-      ["With a pose", "58 of 60, 97 %"], ["Longest gap", "2 frames, 0.1 s, from 3"],
+      ["With a pose", "58 of 60, 97 %"], ["Full poses", "55"], ["Range and bearing only", "3"],
+      ["Without a pose", "2"], ["Longest gap", "2 frames, 0.1 s, from 3"],
       ["From the red layer", "50 %"], ["From the outline", "50 %"],
     ]);
+    const unknown = summaryFacts({ ...summary, qualities: { ...qualities, unknown: 4 } });
+    equal(unknown[3], ["Of unknown quality", "4"]);
     equal(summaryFacts({ ...summary, damaged: 3 }).at(-1), ["Damaged in the file", "3 frames"]);
     equal(gapInWords({ first_frame: 4, frames: 1, seconds: null }), "1 frame, from 4");
     equal(summaryFacts({ ...summary, frames: 0, ok: 0 }), [["Frames", "none read yet"]]);

@@ -15,6 +15,7 @@ export const tests = {
       null,
       noFilter(),
       { ...noFilter(), status: "failed", reason: "motion_blur" },
+      { ...noFilter(), quality: "bearing" },
       { ...noFilter(), layer: "red", from_s: 0, to_s: 12.5, min_height: 1500, max_height: 0 },
     ];
     for (const filter of filters) equal(filterFromText(filterToText(filter)), filter);
@@ -52,5 +53,11 @@ export const tests = {
     }, 12);
     equal([good.outcome, good.kind, good.height, good.time, good.current], ["blue", "blue", "2.50 m", "", false]);
     equal([good.place, good.detail], ["120 mm, −8.0 mm", "40 cells read, 2 wrong"]);
+    const far = rowOf({
+      source: "a.mp4", frame: 3, time_s: null, status: "ok", layer: "blue", position_mm: [4000, 2000, 15000],
+      quality: "bearing", range_mm: 15500, range_sigma_mm: 80, bearing: [0, 0, 1], elapsed_ms: {},
+    }, 12);
+    equal([far.outcome, far.kind, far.height, far.place], ["blue, bearing only", "bearing", "", ""]);
+    equal(far.detail, "15.50 m ± 80.0 mm, straight ahead");
   },
 };

@@ -1,4 +1,6 @@
-import { evidenceFacts, poseFacts, poseInWords, verdict } from "/static/js/shared/poseLogic.js";
+import {
+  doubtInWords, evidenceFacts, poseFacts, poseInWords, qualityBadge, rangeFacts, rangeInWords, verdict,
+} from "/static/js/shared/poseLogic.js";
 import { equal } from "./check.js";
 
 const RECORD = {
@@ -17,7 +19,37 @@ const RECORD = {
   elapsed_ms: { total: 1234.5 },
 };
 
+const FAR = {
+  ...RECORD, quality: "bearing", range_mm: 16_200, range_sigma_mm: 90, bearing: [0.0543, -0.0174, 0.9984],
+  bearing_sigma_deg: 0.0123, position_sigma_mm: [2000, 2300, 60], attitude_sigma_deg: [8, 7, 0.1],
+};
+
 export const tests = {
+  "where range and bearing alone are known, they come first, and why": () => {
+    equal([verdict(FAR), qualityBadge(FAR)], ["Range and direction found from the red layer", "bearing only"]);
+    equal(poseInWords(FAR), [
+      "The pad's centre is 16.20 m ± 90.0 mm away, 3.1° to the right and 1.0° up.",
+      "The camera's attitude, and so the place across, is too uncertain to use.",
+    ]);
+    equal(doubtInWords(FAR),
+      "Not to be used: one standard deviation is 10.6° of attitude and 3.05 m of place, 19 % of the distance. " +
+        "A pad that is small in the picture hardly shows its tilt.");
+    equal(rangeInWords({ ...FAR, bearing: [0, 0, 1], range_sigma_mm: null }), "16.20 m, straight ahead");
+    equal(doubtInWords({ ...FAR, quality: "full" }), "");
+  },
+  "range and direction in figures, of any pose": () => {
+    equal(rangeFacts(FAR), [
+      ["Range", "16.20 m ± 90.0 mm"], ["Right of straight ahead", "3.11°"], ["Below it", "−1.00°"],
+      ["Direction ±", "0.012°"], ["Bearing xyz", "0.0543, −0.0174, 0.9984"],
+    ]);
+    equal(rangeFacts({ ...FAR, range_sigma_mm: null, bearing_sigma_deg: null }).length, 4);
+    equal(rangeFacts(RECORD), []);
+  },
+  "a pose of unknown quality is said to be one": () => {
+    equal(qualityBadge({ ...FAR, quality: "full" }), "");
+    equal([qualityBadge(RECORD), verdict(RECORD)], ["quality unknown", "Pose found from the red layer"]);
+    equal(qualityBadge({ status: "failed", elapsed_ms: {} }), "");
+  },
   "a pose in words": () => {
     equal(poseInWords(RECORD), [
       "The camera is 3.50 m above the pad, 40.3 mm to the left from the pad's centre.",

@@ -39,6 +39,12 @@ export const tests = {
     const kinds = [["x.YAML", ""], ["x.json", '{"format": "padstudio.pad"'], ["x.json", "{}"], ["x.jpg", ""]];
     equal(kinds.map(([name, head]) => kindOfFile(name, head)), ["camera", "pad", "camera", "image"]);
   },
+  "pictures that show range and bearing alone are counted apart": () => {
+    const far = frameOfAnswer({ ...answer("ok"), result: { ...answer("ok").result, quality: "bearing", range_mm: 16_200 } });
+    equal(tally([far, frameOfAnswer(answer("ok")), frameOfAnswer(answer("failed"))]),
+      "1 with a pose, 1 with range and bearing only, 1 without");
+    equal(frameNote(far), "16.20 m away, bearing only");
+  },
   "what need not be sent": () => {
     contains(faultBeforeUpload({ size: 0 }, 9e6), "empty");
     contains(faultBeforeUpload({ size: 12e6 }, 9e6), "12 MB; the limit is 9 MB");

@@ -1,7 +1,7 @@
 import { cellsOf, lineOf, timelineChart } from "/static/js/flight/timelineChartLogic.js";
 import { equal, near } from "./check.js";
 
-// OUTCOMES: red, green, blue, outline, failed.
+// OUTCOMES: red, green, blue, outline, failed, bearing; older answers lack the last.
 const column = (at, outcomes, low = null, high = low) => ({
   column: at, first_frame: 10 * at, last_frame: 10 * at + 9, time_s: at, z_min_mm: low, z_max_mm: high, outcomes, stages: {},
 });
@@ -19,6 +19,9 @@ export const tests = {
     equal(cellsOf(column(0, [2, 0, 0, 1, 0])), [0, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3]);
     equal(cellsOf(column(0, [0, 0, 8, 0, 0])), new Array(11).fill(2));
   },
+  "poses of which range and bearing alone are known stand between the others and the failures": () => {
+    equal(cellsOf(column(0, [4, 0, 0, 0, 3, 4])), [0, 0, 0, 0, 5, 5, 5, 5, 4, 4, 4]);
+  },
   "a single failure among many is seen": () => {
     equal(cellsOf(column(0, [999, 0, 0, 0, 1])), [0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4]);
     equal(cellsOf(column(0, [0, 0, 0, 0, 1])), new Array(11).fill(4));
@@ -33,7 +36,7 @@ export const tests = {
     equal([strip.type, strip.z.length, strip.z[0].length], ["heatmap", 11, 5]);
     equal(strip.z.map((row) => row[3]), new Array(11).fill(null));
     equal([strip.x0, strip.dx], [4.5, 10]);
-    equal(strip.colorscale.slice(0, 3), [[0, "red"], [0.2, "red"], [0.2, "green"]]);
+    equal(strip.colorscale.slice(0, 3), [[0, "red"], [1 / 6, "red"], [1 / 6, "green"]]);
   },
   "strips of 22 pixels below, of both runs, and heights above": () => {
     const one = chart().layout;

@@ -61,6 +61,10 @@ export const tests = {
     equal(columnInWords(timeline.columns[1], 12), "frames 10 – 19 · 0:01.00 · 800 mm – 850 mm · 4 without a pose");
     const single = { ...column(0, [0, 0, 1, 0, 0], [50, 50]), last_frame: 0 };
     equal(columnInWords(single, 0), "frame 0 · 0:00.00 · 50.0 mm · blue");
+    const far = { ...column(0, [0, 0, 0, 0, 0, 1], [50, 50]), last_frame: 0 };
+    equal(columnInWords(far, 0), "frame 0 · 0:00.00 · 50.0 mm · range and bearing only");
+    equal(columnInWords(column(0, [2, 0, 0, 0, 3, 5]), 1),
+      "frames 0 – 9 · 0:00.00 · 3 without a pose · 5 with range and bearing only");
     equal(columnInWords(undefined, 25), "frame 25: not read");
   },
   "heights span the columns of all runs, with the ground": () => {

@@ -74,6 +74,8 @@ def draw_pose(
 ) -> None:
     """Draw the pad's edge, and its axes (X red, Y green, Z blue) from its centre.
 
+    Where only range and bearing are known, the axes are left out, as they would show an attitude.
+
     Parameters
     ----------
     picture : (h, w, 3) uint8
@@ -91,6 +93,8 @@ def draw_pose(
     length = min(pad_size_mm) / 5
     strokes = [(corners, corner, _PAD_COLOUR) for corner in range(4)]
     axes = [np.array([np.zeros(3), length * axis]) for axis in np.eye(3)]
+    if record.get("quality") == "bearing":
+        axes = []
     strokes += [(ends, 0, colour) for ends, colour in zip(axes, _AXIS_COLOURS, strict=True)]
     for ends, place, colour in strokes:
         start, end = ends[place], ends[(place + 1) % len(ends)]

@@ -19,7 +19,7 @@ from padstudio.store.database.flight_tables import FlightRow, FrameRow
 
 #: Outcomes of a column of the timeline, in the order of its lists: the layer of a pose, but
 #: ``bearing`` where only range and bearing can be used.
-OUTCOMES = ("red", "green", "blue", "outline", "bearing", "failed")
+OUTCOMES = ("red", "green", "blue", "outline", "failed", "bearing")
 
 
 class FigureRows:

@@ -9,12 +9,8 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose
-from padstudio.geometry.range_bearing import (
-    Quality,
-    bearing_sigma_deg,
-    quality_of,
-    range_sigma_mm,
-)
+from padstudio.geometry.range_bearing import Quality, quality_of
+from padstudio.vision.stage.detection import Uncertainty
 
 Record = dict[str, Any]
 
@@ -39,8 +35,9 @@ def completed(record: Record) -> Record:
     follows: Record = {"range_mm": pose.range_mm, "bearing": pose.bearing.tolist()}
     follows |= {"range_sigma_mm": None, "bearing_sigma_deg": None}
     if covariance is not None:
-        follows["range_sigma_mm"] = range_sigma_mm(pose, covariance)
-        follows["bearing_sigma_deg"] = bearing_sigma_deg(pose, covariance)
+        sigma = Uncertainty.of(pose, covariance)
+        follows["range_sigma_mm"] = sigma.range_sigma_mm
+        follows["bearing_sigma_deg"] = sigma.bearing_sigma_deg
     follows["quality"] = _quality(record, pose.range_mm, covariance)
     return follows | record
 

@@ -6,10 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import chain, repeat
 
-import numpy as np
-
-from padstudio.arrays import Array
-from padstudio.vision.fusion.pose_filter import Fused, Measurement, PoseFilter
+from padstudio.vision.fusion.pose_filter import Measurement, PoseFilter
 from padstudio.vision.fusion.smoother import fuse
 from padstudio.vision.stage.detection import Detection, Estimate, SinglePose, Uncertainty
 
@@ -46,7 +43,7 @@ def fused_detections(
         yield replace(
             detection,
             pose=fused.pose,
-            uncertainty=uncertainty_of(fused),
+            uncertainty=Uncertainty.of(fused.pose, fused.covariance),
             estimate=estimate,
             single=SinglePose(single, sigma, fused.is_outlier),
         )
@@ -58,12 +55,6 @@ def filled_times(times_s: Iterable[float | None]) -> Iterator[float]:
     for time_s in times_s:
         last = last + UNKNOWN_STEP_S if time_s is None else time_s
         yield last
-
-
-def uncertainty_of(fused: Fused) -> Uncertainty:
-    """That of a fused pose."""
-    sigma: Array = np.sqrt(np.maximum(np.diag(fused.covariance), 0.0))
-    return Uncertainty(sigma[:3], np.degrees(sigma[3:]), fused.covariance)
 
 
 def _measure(timed: tuple[Detection, float]) -> Measurement | None:

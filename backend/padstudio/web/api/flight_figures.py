@@ -60,8 +60,8 @@ class TimelineColumn(BaseModel):
     z_min_mm: float | None
     z_max_mm: float | None
     outcomes: list[int] = Field(
-        description="Frames read from the layers red, green, blue, from the outline; those of "
-        "which only range and bearing are to be used; failed ones."
+        description="Frames read from the layers red, green, blue, from the outline; failed "
+        "ones; those of which only range and bearing are to be used."
     )
     stages: dict[str, int] = Field(description="First failing stage: frames.")
 

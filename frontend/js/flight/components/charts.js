@@ -49,7 +49,7 @@ export function mountCharts(root, { onSeek, onVisible }) {
     const { figures, otherFigures, coarse, otherCoarse, padSize } = state;
     const { heights } = figures;
     const fails = coarse.columns.some((column) => Object.keys(column.stages).length);
-    show("trajectory", "", (palette) => logic.trajectoryChart(figures, otherFigures, palette));
+    show("trajectory", logic.trajectoryInWords(figures), (palette) => logic.trajectoryChart(figures, otherFigures, palette));
     show("outcomes", "", (palette) => logic.outcomesChart(coarse, otherCoarse, palette));
     show("stages", "", fails ? (palette) => logic.stagesChart(coarse, palette) : null);
     show("heights", logic.heightsInWords(heights), heights && ((palette) => logic.heightsChart(heights, palette)));

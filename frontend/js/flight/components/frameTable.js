@@ -15,7 +15,7 @@ const TYPING_MS = 300;
 const NUMBERS = /** @type {const} */ ([
   ["from_s", 1], ["to_s", 1], ["min_height", MM_PER_M], ["max_height", MM_PER_M],
 ]);
-const TEXTS = /** @type {const} */ (["status", "reason", "layer"]);
+const TEXTS = /** @type {const} */ (["status", "reason", "layer", "quality"]);
 
 /**
  * @param {HTMLDetailsElement} root

@@ -6,7 +6,9 @@
  * @typedef {import("../stagesLogic.js").Failure} Failure
  */
 
-import { evidenceFacts, poseFacts, poseInWords, verdict } from "../poseLogic.js";
+import {
+  doubtInWords, evidenceFacts, isBearing, poseFacts, poseInWords, qualityBadge, rangeFacts, verdict,
+} from "../poseLogic.js";
 import { failures, reasonInWords, stageTitle } from "../stagesLogic.js";
 import { mountFacts } from "./facts.js";
 
@@ -20,6 +22,7 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
   const template = /** @type {HTMLTemplateElement} */ (root.querySelector("template"));
   const image = /** @type {HTMLImageElement} */ (find("picture"));
   const pose = mountFacts(find("pose-facts"));
+  const range = mountFacts(find("range-facts"));
   const evidence = mountFacts(find("evidence-facts"));
   find("enlarge").addEventListener("click", onEnlarge);
   find("copy").addEventListener("click", onCopy);
@@ -64,6 +67,9 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
     find("failures-title").textContent = isOk ? "What was not read" : "Where it failed";
     find("failure-list").replaceChildren(...items);
     find("figures").hidden = !isOk;
+    find("pose").dataset.doubtful = String(isBearing(result));
+    find("doubt").textContent = doubtInWords(result);
+    range.update(isOk ? rangeFacts(result) : []);
     pose.update(isOk ? poseFacts(result) : []);
     evidence.update(isOk ? evidenceFacts(result) : []);
     const url = trace?.result_picture ?? null;
@@ -84,6 +90,10 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
       root.dataset.status = status;
       find("source").textContent = frame.name;
       find("verdict").textContent = headline(frame);
+      const badge = answer ? qualityBadge(answer.result) : "";
+      find("quality").textContent = badge;
+      find("quality").hidden = !badge;
+      root.dataset.quality = answer?.result.quality ?? "";
       find("busy").hidden = status !== "running";
       find("body").hidden = !answer;
       find("copy").hidden = !answer;
