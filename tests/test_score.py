@@ -70,6 +70,14 @@ def test_verdicts(tmp_path, answer, verdict):
     assert ("a:0" in done.stdout) == (verdict != "good")
 
 
+def test_the_nearest_of_poses_that_are_as_true_counts(tmp_path):
+    moved = {"position_mm": [300, 0, 1000], "rotation": TURNED}
+    answer = pose("a", (301, 0, 1000), TURNED)
+    _, figures = run(tmp_path, [truth("a", also_true=[moved])], [answer])
+    assert figures["total"] == {"good": 1}
+    assert run(tmp_path, [truth("a")], [answer])[1]["total"] == {"false": 1}
+
+
 def test_any_pose_where_there_is_no_pad_is_false(tmp_path):
     negatives = [{"file": "negatives/a.jpg"}, {"file": "negatives/b.jpg"}]
     _, figures = run(tmp_path, negatives, [pose("a"), failed("b")])

@@ -1,9 +1,9 @@
 """Are the cells readable, if the true pose is known? An upper bound for any detector.
 
 The cells of a layer are sampled where the truth puts them. Within blocks of cells, colours are
-explained as linear in the cell's own level and in the other layers' mean level there, on half of
-the cells; the other half is classified by the nearest prediction (Fisher's linear discriminant,
-1936). The detector's own test of chance (a-contrario) says whether so many could agree by chance.
+explained as linear in the cell's own level and in the other layers' mean level there, on a part of
+the cells; the others are classified by the nearest prediction (Fisher's linear discriminant, 1936).
+The detector's own test of chance (a-contrario) says whether so many could agree by chance.
 It knows the pose, the bend of the paper, each row's moment and the other layers, which a detector
 does not; it does not know the levels that it reads.
 """
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
-from padstudio.pad.spec import Channel, Layer, Pad
+from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.lay.fit import laid
 from padstudio.simulate.motion import poses_at
 from padstudio.simulate.radiance.lens import pixels_of_points
 from padstudio.simulate.radiance.sheet import half_sides_mm
 from padstudio.simulate.render import Truth
-from padstudio.vision.cells.evidence import judge
+from padstudio.vision.cells.evidence import Evidence, judge
 
 Array = NDArray[np.float64]
 # Pixels (N, 2) of points of the flat pad (N, 2), mm.
@@ -41,21 +41,19 @@ _POINTS, _SPAN, _LEAST_PX = 3, 0.5, 1.2
 
 @dataclass(frozen=True)
 class Reading:
-    """What the oracle reads of one layer.
+    """What the oracle reads of a pad's layers, which stand or fall together.
 
     Attributes
     ----------
-    channel : str
     read, wrong : int
+        Cells of all layers, and those that differ.
     log10_chance : float
-    cell_px : float
+        Of so many agreeing at any of the pad's places.
     """
 
-    channel: Channel
     read: int
     wrong: int
     log10_chance: float
-    cell_px: float
 
     @property
     def readable(self) -> bool:
@@ -63,15 +61,13 @@ class Reading:
         return self.log10_chance <= READABLE
 
 
-def best_reading(image: NDArray[np.uint8], pad: Pad, truth: Truth) -> Reading | None:
-    """The layer that reads best in a simulated frame; None where no cell is in view."""
+def best_reading(image: NDArray[np.uint8], pad: Pad, truth: Truth) -> Reading:
+    """What can be read of a simulated frame."""
 
     def project(points: Array) -> Array:
         return _seen(truth, points)
 
-    readings = [_read(image, pad, layer, project) for layer in pad.layers]
-    found = [reading for reading in readings if reading is not None]
-    return min(found, key=lambda reading: reading.log10_chance, default=None)
+    return _together(image, pad, project)
 
 
 def _seen(truth: Truth, points: Array) -> Array:
@@ -94,9 +90,7 @@ def _seen(truth: Truth, points: Array) -> Array:
     return pixels
 
 
-def reading_at(
-    image: NDArray[np.uint8], pad: Pad, camera: Camera, poses: list[Pose]
-) -> Reading | None:
+def reading_at(image: NDArray[np.uint8], pad: Pad, camera: Camera, poses: list[Pose]) -> Reading:
     """As `best_reading`, of a frame of which only poses are known, each as true as the others."""
     found = []
     for pose in poses:
@@ -105,15 +99,23 @@ def reading_at(
             there = np.column_stack([points, np.zeros(len(points))])
             return pixels_of_points(camera, pose.to_camera(there))
 
-        found += [_read(image, pad, layer, project) for layer in pad.layers]
-    return min(
-        (reading for reading in found if reading is not None),
-        key=lambda reading: reading.log10_chance,
-        default=None,
+        found.append(_together(image, pad, project))
+    return min(found, key=lambda reading: reading.log10_chance)
+
+
+def _together(image: NDArray[np.uint8], pad: Pad, project: Project) -> Reading:
+    """All layers at one place: their chances multiply, and the places count once."""
+    read = [_read(image, pad, layer, project) for layer in pad.layers]
+    seen = [evidence for evidence in read if evidence is not None]
+    chance = sum(evidence.log10_false_alarm for evidence in seen)
+    return Reading(
+        read=sum(evidence.read for evidence in seen),
+        wrong=sum(evidence.wrong for evidence in seen),
+        log10_chance=min(chance + np.log10(_places(pad)), 0.0),
     )
 
 
-def _read(image: NDArray[np.uint8], pad: Pad, layer: Layer, project: Project) -> Reading | None:
+def _read(image: NDArray[np.uint8], pad: Pad, layer: Layer, project: Project) -> Evidence | None:
     """The cells of one layer that are in view; None where there are hardly any."""
     rows, cols = layer.field.shape
     pixels = project(_points(pad, layer)).reshape(rows, cols, _POINTS, _POINTS, 2)
@@ -130,9 +132,7 @@ def _read(image: NDArray[np.uint8], pad: Pad, layer: Layer, project: Project) ->
     others = np.stack(beside or [np.zeros((rows, cols))], axis=-1)
     levels = _classified(values, layer.field, others, seen, pad.levels)
     expected = np.where(levels >= 0, layer.field, -1).astype(np.int8)
-    evidence = judge(levels, expected, pad.levels, _places(pad))
-    chance, cell_px = evidence.log10_false_alarm, float(np.median(side[seen]))
-    return Reading(layer.channel, evidence.read, evidence.wrong, chance, cell_px)
+    return judge(levels, expected, pad.levels, 1)
 
 
 def _points(pad: Pad, layer: Layer) -> Array:
@@ -171,17 +171,18 @@ def _mean_level(other: Layer, own: Layer) -> Array:
 def _classified(
     values: Array, field: NDArray[np.uint8], others: Array, seen: NDArray[np.bool_], count: int
 ) -> NDArray[np.int8]:
-    """Levels (R, C) of each half of the cells by what the other half teaches; −1 unread."""
+    """Levels (R, C) of each part of the cells by what the others teach; −1 unread."""
     out = np.full(field.shape, -1, np.int8)
     row, col = np.indices(field.shape)
-    fold = (row + col) % 2
-    # Few cells in view: all of them are one block.
-    size = _BLOCK if seen.sum() > 2 * _BLOCK**2 else max(field.shape)
+    # Few cells in view: all of them are one block, and each few are told by all others.
+    many = seen.sum() > 2 * _BLOCK**2
+    size, folds = (_BLOCK, 2) if many else (max(field.shape), 8)
+    fold = (row + col) % 2 if many else (3 * row + col) % folds
     kind = (row // size) * (field.shape[1] // size + 1) + col // size
     for block in np.unique(kind[seen]):
         cells = seen & (kind == block)
-        for half in (0, 1):
-            test, learn = cells & (fold == half), cells & (fold != half)
+        for part in range(folds):
+            test, learn = cells & (fold == part), cells & (fold != part)
             if test.any() and learn.sum() >= 3:
                 out[test] = _predicted(
                     (values[learn], field[learn], others[learn]), values[test], others[test], count

@@ -116,13 +116,19 @@ def plain_shot(rng: Rng, pad: Pad, kind: RealityClass, camera: str) -> Shot:
     """A shot of a pad on any ground, from any side, before anything happens to it."""
     side = min(pad.size_mm)
     height = side * float(np.exp(rng.uniform(*np.log(kind.heights))))
-    reach = 0.3 * side
+    # A third look at the top left, where a coarse layer that copies the fine one has its original.
+    corner = 0.5 - 0.5 / 3
+    middle = (-corner * pad.size_mm[0], corner * pad.size_mm[1]) if rng.random() < 1 / 3 else (0, 0)
+    reach = (0.1 if any(middle) else 0.3) * side
     pose = look_at_pad(
         height,
         tilt_deg=float(rng.uniform(0, kind.tilt_deg)),
         heading_deg=float(rng.uniform(0, 360)),
         tilt_towards_deg=float(rng.uniform(0, 360)),
-        target_mm=(float(rng.uniform(-reach, reach)), float(rng.uniform(-reach, reach))),
+        target_mm=(
+            middle[0] + float(rng.uniform(-reach, reach)),
+            middle[1] + float(rng.uniform(-reach, reach)),
+        ),
     )
     ground = GROUND_KINDS[int(rng.integers(len(GROUND_KINDS) - 1))]
     scene = Scene(pad=pad, ground=ground, ground_seed=int(rng.integers(50)))
@@ -204,7 +210,7 @@ def _bent(name: str) -> Callable[[Rng, Shot, float], Shot]:
     return change
 
 
-def _tiled(swaps: int = 0, turn_deg: float = 0.2, gap_mm: float = 2.0):
+def _tiled(swaps: int = 0, turn_deg: float = 0.2, gap_mm: float = 1.5):
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         lay = Tiles(
             columns=6,
@@ -296,7 +302,7 @@ CLASSES: dict[str, RealityClass] = {
     "fold": RealityClass(_bent("fold")),
     "lifted": RealityClass(_bent("lifted")),
     "gaps": RealityClass(_tiled()),
-    "turned-sheets": RealityClass(_tiled(turn_deg=0.6, gap_mm=1.0)),
+    "turned-sheets": RealityClass(_tiled(turn_deg=0.5, gap_mm=0.5)),
     "swapped-sheets": RealityClass(_tiled(swaps=2)),
     "two-copies": RealityClass(_two(copy=True), heights=(0.8, 2.0)),
     "two-pads": RealityClass(_two(copy=False), heights=(0.8, 2.0)),

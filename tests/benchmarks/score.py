@@ -11,6 +11,8 @@ has no position holds no pad. Lines and truths are matched by the file's stem an
 - poor: in between
 - miss: no pose, or no line at all
 
+Poses under ``also_true`` are as true as the one beside them; the nearest counts.
+
 Exits with 1 if any pose is false.
 """
 
@@ -59,9 +61,11 @@ def judge(truth: dict[str, Any], pose: dict[str, Any] | None, key: Key) -> Outco
     group = truth.get("group", "flight")
     if pose is None or not found:
         return Outcome(key, group, "miss", reason or "no line")
-    height_mm = truth["position_mm"][2]
-    error_mm = math.dist(pose["position_mm"], truth["position_mm"])
-    angle_deg = rotation_angle_deg(pose["rotation"], truth["rotation"])
+    trues = [truth, *truth.get("also_true", [])]
+    nearest = min(trues, key=lambda true: math.dist(pose["position_mm"], true["position_mm"]))
+    height_mm = nearest["position_mm"][2]
+    error_mm = math.dist(pose["position_mm"], nearest["position_mm"])
+    angle_deg = rotation_angle_deg(pose["rotation"], nearest["rotation"])
     if error_mm <= 0.02 * height_mm + 1 and angle_deg <= 2:
         verdict = "good"
     elif error_mm > 0.10 * height_mm + 5 or angle_deg > 10:

@@ -10,7 +10,7 @@ import numpy as np
 from padstudio import Camera, Pose
 from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
-from padstudio.simulate.looks import LOOKS, dress
+from padstudio.simulate.looks import dress
 from padstudio.simulate.motion import Motion
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
@@ -22,6 +22,24 @@ SEED = 20
 DRIFT, FALL, TURN_DEG_S = 0.2, 0.1, 3.0
 LOOK_HEIGHTS_MM = (450.0, 3000.0)
 READOUT_MS = 20.0
+# Looks of light, dirt and camera; what bends or hides prints is not the boards' difference.
+LIGHTS = (
+    "clear",
+    "gradient",
+    "shadow",
+    "drone-shadow",
+    "low-sun",
+    "dusk",
+    "bright",
+    "glare",
+    "defocus",
+    "blur",
+    "rolling",
+    "noise",
+    "salt",
+    "jpeg",
+    "leaves",
+)
 
 
 @dataclass(frozen=True)
@@ -68,9 +86,9 @@ def views(full: bool) -> list[View]:
 
 
 def _looks(full: bool) -> list[View]:
-    """Every look; at one of the heights in turn, or at all."""
+    """Each of `LIGHTS`; at one of the heights in turn, or at all."""
     out = []
-    for number, look in enumerate(LOOKS):
+    for number, look in enumerate(LIGHTS):
         chosen = LOOK_HEIGHTS_MM if full else (LOOK_HEIGHTS_MM[number % 2],)
         for height_mm in chosen:
             pose = plan(

@@ -2,6 +2,7 @@
 
 import json
 
+import cv2
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -58,8 +59,11 @@ def test_simulate_repeats_itself(files):
         (("--frames", 100_000), "too_many_frames"),
         (("--from-mm", -3), "pose_below_ground"),
         (("--flight", "loop"), "invalid_spec"),
-        (("--look", "fog"), "invalid_spec"),
+        (("--look", "hail"), "invalid_spec"),
         (("--ground", "lava"), "invalid_spec"),
+        (("--with", "rain=1"), "invalid_spec"),
+        (("--with", "fog=-3"), "invalid_spec"),
+        (("--with", "vibration=90:0.1", "--with", "exposure=1000"), "vibration_too_fast"),
         (("--flight", "hover"), "odd_video_size"),
     ],
 )
@@ -69,6 +73,32 @@ def test_simulate_refuses_in_one_line(files, options, code):
     assert result.stderr.endswith(f"({code})\n")
     assert result.stderr.count("\n") == 1
     assert not (files / "out").exists()
+
+
+def test_simulate_puts_disturbances_on(files):
+    """What is true of a bent print and of a shaken camera is in the truth file."""
+    arguments = ("simulate", "--camera", files / "small.yaml", "--pad", files / "pad.json")
+    arguments += ("--frames", 1, "--flight", "landing", "--stills")
+    assert run(*arguments, "-o", files / "calm").exit_code == 0
+    words = ("--with", "vibration=90:0.2", "--with", "lifted=20:300", "--with", "sensor=mono")
+    result = run(*arguments, *words, "-o", files / "shaken")
+    assert result.exit_code == 0, result.stderr
+    calm, shaken = (
+        json.loads((files / name / "stills/truth.json").read_text())[0]
+        for name in ("calm", "shaken")
+    )
+    assert calm["rotation"] != shaken["rotation"]
+    assert calm["position_mm"] == shaken["position_mm"]
+    assert len(shaken["also_true"]) == 2
+    assert "also_true" not in calm
+    image = cv2.imread(str(files / "shaken" / shaken["file"])).astype(int)
+    assert np.abs(image[..., 0] - image[..., 2]).max() <= 2
+
+
+def test_disturbances_are_listed():
+    result = run("simulate", "--list-disturbances")
+    assert result.exit_code == 0
+    assert "fog=METRES" in result.stdout
 
 
 def test_simulate_does_not_write_into_a_folder_that_is_there(files):

@@ -11,14 +11,14 @@ from padstudio.cli.support import check_output, note, progress_bar
 from padstudio.errors import ConflictError
 from padstudio.geometry.presets import load_camera
 from padstudio.pad.spec import Pad
-from padstudio.simulate import looks, trajectories, writer
+from padstudio.simulate import disturbances, looks, trajectories, writer
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.trajectories import Flight, Setup
 
 _EXAMPLES = (
     "Examples: [bold]padstudio simulate --pad pad.json --camera preset-dji-mini-27k -o sim[/] · "
     "[bold]padstudio simulate --pad pad.json --camera camera.yaml --flight landing --frames 150 "
-    "--look drone-shadow -o landing[/] · "
+    "--look drone-shadow --with vibration=93:0.1 --with readout=20 -o landing[/] · "
     "[bold]padstudio simulate --pad pad.json --camera camera.yaml --flight tilts --from-mm 500 "
     "--frames 8 --ground gravel -o tilts[/]"
 )
@@ -37,6 +37,15 @@ Sway = Annotated[float, typer.Option(help="Scales how the camera wanders and lea
 LookName = Annotated[
     str, typer.Option(help="Conditions: clear, shadow, dusk, glare, … (--list-looks).")
 ]
+With = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--with",
+        metavar="NAME=VALUE",
+        help="A disturbance, again for more: fog=30, leaves=0.4, vibration=93:0.1, sensor=mono, "
+        "waves=2:300, tiles=6x5, … (--list-disturbances).",
+    ),
+]
 Ground = Annotated[
     str, typer.Option(help="grass, gravel, asphalt, bricks, concrete, sand, snow or plain.")
 ]
@@ -48,6 +57,9 @@ CodecName = Annotated[str, typer.Option(help="h264 or h265.")]
 Seed = Annotated[int, typer.Option(help="The same seed gives the same pictures.")]
 ListLooks = Annotated[
     bool, typer.Option("--list-looks", is_eager=True, callback=lambda on: _list_looks(on))
+]
+ListWords = Annotated[
+    bool, typer.Option("--list-disturbances", is_eager=True, callback=lambda on: _list_words(on))
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write into a folder that is there.")]
 
@@ -68,12 +80,14 @@ def simulate(
     fps: Rate = 30,
     sway: Sway = 1,
     look: LookName = "clear",
+    with_: With = None,
     ground: Ground = "grass",
     quiet_mm: Quiet = None,
     stills: Stills = False,
     codec: CodecName = "h264",
     seed: Seed = 1,
     list_looks: ListLooks = False,
+    list_disturbances: ListWords = False,
     force: Force = False,
 ) -> None:
     """Simulate flights over a pad: pictures as a real camera takes them, and the true poses.
@@ -93,6 +107,7 @@ def simulate(
         fps=fps,
         seed=seed,
         sway=sway,
+        vibrations=disturbances.vibrations_of(with_ or (), seed=seed),
     )
     course = trajectories.plan(spec)
     scene = Scene(
@@ -101,7 +116,7 @@ def simulate(
         ground=ground,  # type: ignore[arg-type]  # Scene names the choices itself
         ground_seed=seed,
     )
-    dressed, imaging = looks.dress(scene, look, seed=seed)
+    dressed, imaging = looks.dress(scene, look, seed=seed, words=with_ or ())
     setup = Setup(scene=dressed, camera=load_camera(camera), imaging=imaging, seed=seed)
     film = codec if flight in trajectories.VIDEO_KINDS and not stills else None
     truth = _write(output, course, setup, film)
@@ -124,4 +139,11 @@ def _list_looks(wanted: bool) -> None:
     if wanted:
         for name, look in looks.LOOKS.items():
             print(f"{name:14}{look.note}")
+        raise typer.Exit
+
+
+def _list_words(wanted: bool) -> None:
+    if wanted:
+        for name, word in disturbances.WORDS.items():
+            print(f"{name + '=' + word.form:22}{word.note}")
         raise typer.Exit

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from padstudio.errors import SpecError
+from padstudio.simulate.disturbances import disturb
 from padstudio.simulate.radiance.scene import Light, Occluder, Scene, Shadow
 from padstudio.simulate.sensor import Glare, Imaging
 
@@ -21,6 +23,8 @@ class Look:
     imaging : Imaging
     leaves : int
         Number of things that lie on the pad.
+    disturbances : tuple of str
+        As of `padstudio.simulate.disturbances.disturb`.
     note : str
         One line for people.
     """
@@ -29,6 +33,23 @@ class Look:
     light: Light = field(default_factory=Light)
     imaging: Imaging = field(default_factory=Imaging)
     leaves: int = 0
+    disturbances: tuple[str, ...] = ()
+
+
+# Those that are told in words alone.
+_WORDED: dict[str, tuple[str, tuple[str, ...]]] = {
+    "autumn": ("two fifths of the pad under leaves", ("leaves=0.4",)),
+    "snow": ("snow on a third of the pad", ("snow=0.33",)),
+    "mud": ("mud on a third of the pad", ("mud=0.33",)),
+    "faded": ("ink that years of sun have faded", ("faded=0.7",)),
+    "mist": ("mist: 20 m of sight", ("fog=20",)),
+    "fog": ("dust or thick fog: 4 m of sight", ("fog=4",)),
+    "mono": ("a monochrome camera", ("sensor=mono",)),
+    "infrared": ("a camera that sees the near infrared alone", ("sensor=nir",)),
+    "sodium": ("yellow street light", ("sensor=sodium",)),
+    "warped": ("paper with waves and a fold", ("waves=2:260", "fold=6:70")),
+    "tiled": ("24 sheets, laid by hand", ("tiles=6x4", "gap=1.5", "offset=1", "turn=0.3")),
+}
 
 
 def _looks() -> dict[str, Look]:
@@ -59,25 +80,43 @@ def _looks() -> dict[str, Look]:
         "salt": Look("stuck pixels", imaging=plain.with_changes(hot_pixels=0.02)),
         "jpeg": Look("strong compression", imaging=plain.with_changes(jpeg_quality=40)),
         "leaves": Look("leaves and stones on the pad", leaves=28),
+        **{name: Look(note, disturbances=words) for name, (note, words) in _WORDED.items()},
     }
 
 
 LOOKS = _looks()
 
 
-def dress(scene: Scene, look: str, *, seed: int = 0) -> tuple[Scene, Imaging]:
+def dress(
+    scene: Scene, look: str, *, seed: int = 0, words: Sequence[str] = ()
+) -> tuple[Scene, Imaging]:
     """The scene under a look's light with its dirt, and the look's camera settings.
+
+    Parameters
+    ----------
+    scene : Scene
+    look : str
+    seed : int
+    words : sequence of str
+        Disturbances on top of the look's, as of `padstudio.simulate.disturbances.disturb`.
 
     Raises
     ------
     SpecError
-        If there is no such look.
+        If there is no such look, or as `disturb`.
     """
     if look not in LOOKS:
         raise SpecError(f"no look {look!r}; choose one of {', '.join(LOOKS)}")
     chosen = LOOKS[look]
     occluders = scene.occluders + _leaves(scene, chosen.leaves, seed)
-    return replace(scene, light=chosen.light, occluders=occluders), chosen.imaging
+    lit = replace(scene, light=chosen.light, occluders=occluders)
+    return disturb(lit, chosen.imaging, _together(chosen.disturbances, words), seed=seed)
+
+
+def _together(own: Sequence[str], given: Sequence[str]) -> tuple[str, ...]:
+    """A look's disturbances, those of the same name as given."""
+    names = {word.partition("=")[0].strip() for word in given}
+    return (*(word for word in own if word.partition("=")[0] not in names), *given)
 
 
 def _leaves(scene: Scene, count: int, seed: int) -> tuple[Occluder, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.arrays import Array, Image
 from padstudio.errors import SpecError
@@ -64,15 +65,26 @@ class Truth:
         )
 
     @property
-    def fitted_pose(self) -> Pose:
-        """The pose relative to the plane that fits the print best as it lies.
+    def also_true(self) -> tuple[Pose, ...]:
+        """Other poses that are as true as `pose`; none where one flat pad is seen.
 
-        As true as `pose`, which is relative to the nominal plane, where the print is bent or its
-        sheets lie off their places; the same pose where it is flat and whole.
+        Of a print that is bent or in sheets those relative to the planes that fit it best, as a
+        whole and where it is in view; of copies of the pad those relative to each.
         """
-        if self.scene.lay is None or self.scene.size_mm is None:
-            return self.pose
-        return best_fit(self.scene.lay, half_sides_mm(self.scene), self.pose)
+        scene, out = self.scene, []
+        if scene.lay is not None and scene.size_mm is not None:
+            half = half_sides_mm(scene)
+            out = [best_fit(scene.lay, half, self.pose, seen) for seen in (None, self._in_view)]
+        for other in scene.neighbours:
+            if other.pad is scene.pad:
+                out.append(other.relative(self.pose))
+        return tuple(out)
+
+    def _in_view(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (N, 3) of the pad frame are in the picture."""
+        pixels = pixels_of_points(self.camera, self.pose.to_camera(points))
+        size = np.array([self.camera.width, self.camera.height])
+        return np.asarray(((pixels > -0.5) & (pixels < size - 0.5)).all(axis=1))
 
 
 @dataclass(frozen=True, eq=False)

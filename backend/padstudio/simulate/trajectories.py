@@ -12,9 +12,10 @@ import numpy as np
 from padstudio.errors import LimitError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_from_vector
-from padstudio.simulate.motion import Motion
+from padstudio.simulate.motion import Motion, course
 from padstudio.simulate.radiance.lens import check_lens
 from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.radiance.sheet import check_lay
 from padstudio.simulate.render import Frame, check_pose, render
 from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.vibration import Vibration, shaking
@@ -209,11 +210,16 @@ def _steady(spec: FlightSpec) -> Flight:
     )
 
 
-def check_flight(flight: Flight, camera: Camera) -> None:
+def check_flight(flight: Flight, setup: Setup) -> None:
     """Refuse what cannot be rendered before anything is; raises as `render`."""
+    camera, imaging = setup.camera, setup.imaging
     check_lens(camera)
-    for pose in flight.poses:
+    check_lay(setup.scene)
+    for pose, motion in zip(flight.poses, flight.motions, strict=True):
         check_pose(camera, pose)
+        # Of one row: all swing alike.
+        exposure_ms, readout_ms = imaging.exposure_ms, imaging.readout_ms
+        course(pose, motion, 1, exposure_ms=exposure_ms, readout_ms=readout_ms)
 
 
 def wandering_path(

@@ -10,6 +10,7 @@ from typing import Any
 
 import cv2
 
+from padstudio.geometry.pose import Pose
 from padstudio.simulate.render import Frame
 from padstudio.simulate.trajectories import Flight, Setup, check_flight
 from padstudio.simulate.video_writer import Codec, VideoWriter, check_size
@@ -53,7 +54,7 @@ def write_flight(
     SpecError, LimitError
         As `padstudio.simulate.render.render` and `VideoWriter`.
     """
-    check_flight(flight, setup.camera)
+    check_flight(flight, setup)
     if codec is not None:
         check_size(setup.camera.width, setup.camera.height)
     folder.mkdir(parents=True, exist_ok=True)
@@ -118,7 +119,12 @@ def _truth_fields(frame: Frame) -> dict[str, Any]:
     if frame.truth.scene.pad is None:
         # Without a pad in the scene any pose is false: the score's mark of a negative.
         return {}
-    pose = frame.truth.pose
+    fields = _pose_fields(frame.truth.pose)
+    also = [_pose_fields(pose) for pose in frame.truth.also_true]
+    return fields | ({"also_true": also} if also else {})
+
+
+def _pose_fields(pose: Pose) -> dict[str, Any]:
     return {"position_mm": pose.position_mm.tolist(), "rotation": pose.rotation.tolist()}
 
 

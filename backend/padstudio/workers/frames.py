@@ -14,6 +14,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad.spec import Pad
 from padstudio.simulate import looks
+from padstudio.simulate.disturbances import vibrations_of
 from padstudio.simulate.motion import Motion
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import Frame, render
@@ -52,7 +53,11 @@ def simulate_frame(
     the_camera = Camera.loads(camera)
     check_pixels(the_camera, max_pixels)
     scene, imaging = dressed_scene(spec, pad)
-    motion = Motion(velocity_mm_s=spec["velocity_mm_s"], angular_deg_s=spec["angular_deg_s"])
+    motion = Motion(
+        velocity_mm_s=spec["velocity_mm_s"],
+        angular_deg_s=spec["angular_deg_s"],
+        vibrations=vibrations_of(spec["disturbances"], seed=spec["seed"]),
+    )
     frame = render(scene, the_camera, _pose(spec), imaging, spec["seed"], motion=motion)
     return {
         "picture": _picture(frame),
@@ -103,7 +108,7 @@ def dressed_scene(spec: Mapping[str, Any], pad: str | None) -> tuple[Scene, Imag
     Parameters
     ----------
     spec : mapping
-        Has ``quiet_mm``, ``ground``, ``look`` and ``seed``.
+        Has ``quiet_mm``, ``ground``, ``look``, ``disturbances`` and ``seed``.
     pad : str or None
         The content of a pad file, None for bare ground.
     """
@@ -113,7 +118,8 @@ def dressed_scene(spec: Mapping[str, Any], pad: str | None) -> tuple[Scene, Imag
         ground=spec["ground"],
         ground_seed=spec["seed"],
     )
-    return looks.dress(scene, spec["look"], seed=spec["seed"])
+    words = spec["disturbances"]
+    return looks.dress(scene, spec["look"], seed=spec["seed"], words=words)
 
 
 def check_pixels(camera: Camera, max_pixels: int) -> None:

@@ -10,8 +10,8 @@ from typing import Any
 
 from padstudio.errors import ConflictError
 from padstudio.geometry.camera import Camera
-from padstudio.simulate import looks, trajectories, writer
-from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate import trajectories, writer
+from padstudio.simulate.disturbances import vibrations_of
 from padstudio.workers.frames import check_pixels, dressed_scene
 from padstudio.workers.inside import checkpoint
 
@@ -19,7 +19,7 @@ from padstudio.workers.inside import checkpoint
 ARCHIVE, FOOTAGE, DONE, STOP = "flight.zip", "footage", "done", "stop"
 
 
-def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
+def check_flight(spec: Mapping[str, Any], pad: str | None, camera: str, max_pixels: int) -> None:
     """Refuse what cannot be simulated, before anything is rendered.
 
     Raises
@@ -29,8 +29,7 @@ def check_flight(spec: Mapping[str, Any], camera: str, max_pixels: int) -> None:
     """
     the_camera = Camera.loads(camera)
     check_pixels(the_camera, max_pixels)
-    trajectories.check_flight(_course(spec), the_camera)
-    looks.dress(Scene(pad=None, ground=spec["ground"]), spec["look"], seed=spec["seed"])
+    trajectories.check_flight(_course(spec), _setup(spec, pad, the_camera))
 
 
 def simulate_flight(
@@ -56,11 +55,8 @@ def simulate_flight(
     SpecError, LimitError
         As `padstudio.simulate.writer.write_flight`.
     """
-    scene, imaging = dressed_scene(spec, pad)
     written = folder / "flight"
-    setup = trajectories.Setup(
-        scene=scene, camera=Camera.loads(camera), imaging=imaging, seed=spec["seed"]
-    )
+    setup = _setup(spec, pad, Camera.loads(camera))
     writer.write_flight(
         written,
         _course(spec),
@@ -84,9 +80,18 @@ def frames_done(folder: Path) -> int:
         return 0
 
 
+def _setup(spec: Mapping[str, Any], pad: str | None, camera: Camera) -> trajectories.Setup:
+    scene, imaging = dressed_scene(spec, pad)
+    return trajectories.Setup(scene=scene, camera=camera, imaging=imaging, seed=spec["seed"])
+
+
 def _course(spec: Mapping[str, Any]) -> trajectories.Flight:
     names = ("frames", "from_mm", "to_mm", "fps", "seed", "sway")
-    asked = trajectories.FlightSpec(kind=spec["flight"], **{name: spec[name] for name in names})
+    asked = trajectories.FlightSpec(
+        kind=spec["flight"],
+        vibrations=vibrations_of(spec["disturbances"], seed=spec["seed"]),
+        **{name: spec[name] for name in names},
+    )
     return trajectories.plan(asked)
 
 

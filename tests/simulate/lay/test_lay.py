@@ -82,9 +82,21 @@ def test_the_fitted_plane_takes_up_a_slope():
     lifted = Relief((Lift(height_mm=10.0, reach_mm=100.0, toward_deg=90.0, offset_mm=0.0),))
     calm = render(replace(FLAT, lay=waves), CAMERA, pose, LINEAR).truth
     tilted = render(replace(FLAT, lay=lifted), CAMERA, pose, LINEAR).truth
-    assert rotation_angle_deg(calm.pose.rotation, calm.fitted_pose.rotation) < 0.1
-    assert rotation_angle_deg(tilted.pose.rotation, tilted.fitted_pose.rotation) > 2.0
-    assert render(FLAT, CAMERA, pose, LINEAR).truth.fitted_pose is pose
+    assert rotation_angle_deg(calm.pose.rotation, calm.also_true[0].rotation) < 0.1
+    assert rotation_angle_deg(tilted.pose.rotation, tilted.also_true[0].rotation) > 2.0
+    assert render(FLAT, CAMERA, pose, LINEAR).truth.also_true == ()
+
+
+def test_of_one_sheet_in_view_its_own_pose_is_true():
+    """From near, the fit to what is seen is the pose relative to the one sheet."""
+    tiles = Tiles(columns=2, rows=2, gap_mm=8.0, offset_mm=4.0, turn_deg=3.0, seed=4)
+    pose = look_at_pad(60.0, target_mm=(120.0, 90.0))
+    truth = render(replace(FLAT, lay=tiles), CAMERA, pose, LINEAR).truth
+    x, y, cosine, sine, _, _, u, v = tiles.placed(*HALF)[3]
+    turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+    own = turn.T @ (pose.position_mm - np.array([x, y, 0])) + np.array([u, v, 0])
+    assert np.allclose(truth.also_true[1].position_mm, own, atol=1e-6)
+    assert np.allclose(truth.also_true[1].rotation, turn.T @ pose.rotation, atol=1e-9)
 
 
 def test_sheets_lie_where_they_are_put():

@@ -42,6 +42,17 @@ def test_a_neighbour_is_seen_as_if_it_lay_alone(pad):
     assert np.percentile(difference, 99) <= 16
 
 
+def test_the_pose_relative_to_a_copy_is_true_too():
+    beside = Neighbour(pad=OWN, x_mm=400.0, y_mm=-90.0, turn_deg=37.0)
+    scene = Scene(pad=OWN, ground="plain", neighbours=(beside,))
+    pose = look_at_pad(420.0, heading_deg=37.0, target_mm=(400, -90))
+    (other,) = render(scene, CAMERA, pose, IDEAL).truth.also_true
+    assert np.allclose(other.position_mm, look_at_pad(420.0).position_mm, atol=1e-9)
+    assert np.allclose(other.rotation, look_at_pad(420.0).rotation, atol=1e-9)
+    foreign = replace(scene, neighbours=(replace(beside, pad=OTHER),))
+    assert render(foreign, CAMERA, pose, IDEAL).truth.also_true == ()
+
+
 def test_the_scene_s_own_pad_is_not_changed():
     beside = Neighbour(pad=OTHER, x_mm=400.0, y_mm=0.0)
     scene = Scene(pad=OWN, inks=Inks.ideal(), ground="plain")

@@ -16,6 +16,7 @@ from web_server import PRESET, PRESET_SIZE, running, settings_for, store_pad
 from padstudio.geometry import presets
 from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.pad.spec import Pad
+from padstudio.simulate.disturbances import WORDS
 from padstudio.simulate.looks import LOOKS
 from padstudio.simulate.render import corners_px
 
@@ -56,6 +57,11 @@ def test_the_same_request_gives_the_same_picture(studio: httpx.Client) -> None:
     assert not np.array_equal(_frame(studio, **asked)[1], _frame(studio, **asked | {"seed": 6})[1])
 
 
+def test_disturbances_are_put_on(studio: httpx.Client) -> None:
+    _, image = _frame(studio, height_mm=500, disturbances=["sensor=mono", "fog=3"])
+    assert np.abs(image[..., 0].astype(int) - image[..., 2]).max() <= 2
+
+
 def test_the_truth_can_be_sent_back_as_a_pose(studio: httpx.Client) -> None:
     first, image = _frame(studio, height_mm=400, tilt_deg=12, tilt_towards_deg=70)
     pose = {key: first["truth"][key] for key in ("position_mm", "rotation")}
@@ -81,7 +87,10 @@ def test_the_truth_can_be_sent_back_as_a_pose(studio: httpx.Client) -> None:
             422,
             "invalid_spec",
         ),
-        ({"look": "fog"}, 422, "invalid_spec"),
+        ({"look": "hail"}, 422, "invalid_spec"),
+        ({"disturbances": ["rain=1"]}, 422, "invalid_spec"),
+        ({"disturbances": ["vibration=2000:1", "exposure=100"]}, 413, "vibration_too_fast"),
+        ({"disturbances": "fog=1"}, 422, "invalid_request"),
         ({"ground": "lava"}, 422, "invalid_request"),
         ({"pad": "none"}, 404, "not_found"),
         ({"camera": "preset-none"}, 404, "not_found"),
@@ -103,3 +112,4 @@ def test_looks_are_listed(studio: httpx.Client) -> None:
     body = studio.get(f"{ADDRESS}/looks").raise_for_status().json()
     assert [item["name"] for item in body["items"]] == list(LOOKS)
     assert "grass" in body["grounds"]
+    assert [item["name"] for item in body["disturbances"]] == list(WORDS)

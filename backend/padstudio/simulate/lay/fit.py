@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.pose import Pose
 from padstudio.simulate.lay.relief import NODES, Relief
 from padstudio.simulate.lay.tiles import Tiles
 
+# Points that make a fit.
+_FEWEST = 12
 
-def best_fit(lay: Relief | Tiles, half_mm: tuple[float, float], pose: Pose) -> Pose:
+
+def best_fit(
+    lay: Relief | Tiles,
+    half_mm: tuple[float, float],
+    pose: Pose,
+    seen: Callable[[Array], NDArray[np.bool_]] | None = None,
+) -> Pose:
     """The pose relative to the plane that fits a print best, rather than to the nominal one.
 
-    The rigid motion from the flat print to the print as it lies, by least squares over its whole
-    area (Umeyama 1991, doi:10.1109/34.88573, without scale).
+    The rigid motion from the flat print to the print as it lies, by least squares over its area
+    (Umeyama 1991, doi:10.1109/34.88573, without scale).
 
     Parameters
     ----------
@@ -23,8 +34,14 @@ def best_fit(lay: Relief | Tiles, half_mm: tuple[float, float], pose: Pose) -> P
         Half sides of the print.
     pose : Pose
         Relative to the nominal plane.
+    seen : callable, optional
+        Tells which of the points (N, 3) as they lie count, (N,) bool; all, where it is not given
+        or hardly any would.
     """
     flat, bent = _points(lay, half_mm)
+    chosen = np.ones(len(bent), bool) if seen is None else seen(bent)
+    if chosen.sum() >= _FEWEST:
+        flat, bent = flat[chosen], bent[chosen]
     middle, there = flat.mean(axis=0), bent.mean(axis=0)
     u, _, vt = np.linalg.svd((bent - there).T @ (flat - middle))
     turn = u @ np.diag([1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
@@ -63,6 +80,6 @@ def laid(lay: Relief | Tiles, half_mm: tuple[float, float], points: Array) -> Ar
 def _points(lay: Relief | Tiles, half_mm: tuple[float, float]) -> tuple[Array, Array]:
     """(N, 3) points all over the flat print, and where they lie."""
     # Off the seams of any tiling.
-    x, y = (half * (np.arange(81) - 40) / 40.37 for half in half_mm)
+    x, y = (half * (np.arange(161) - 80) / 80.37 for half in half_mm)
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     return np.column_stack([points, np.zeros(len(points))]), laid(lay, half_mm, points)

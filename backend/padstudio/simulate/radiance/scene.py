@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
+import numpy as np
+
 from padstudio.errors import SpecError
+from padstudio.geometry.pose import Pose, rotation_from_vector
 from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
 from padstudio.simulate.lay.relief import Relief
@@ -94,6 +97,12 @@ class Neighbour:
     def __post_init__(self) -> None:
         if not all(math.isfinite(value) for value in (self.x_mm, self.y_mm, self.turn_deg)):
             raise SpecError("a neighbour's place and turn must be finite")
+
+    def relative(self, pose: Pose) -> Pose:
+        """A pose of the scene's pad frame in this pad's own."""
+        turn = rotation_from_vector(np.array([0.0, 0.0, math.radians(self.turn_deg)]))
+        away = pose.position_mm - np.array([self.x_mm, self.y_mm, 0.0])
+        return Pose(turn @ away, turn @ pose.rotation)
 
 
 @dataclass(frozen=True, kw_only=True)

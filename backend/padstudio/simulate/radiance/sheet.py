@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.errors import SpecError
 from padstudio.pad.layout import Layout, layout
+from padstudio.simulate.lay.relief import Relief
 from padstudio.simulate.radiance.inks import Inks
 from padstudio.simulate.radiance.scene import Neighbour, Scene
 
@@ -52,6 +53,12 @@ def half_sides_mm(scene: Scene) -> tuple[float, float]:
     if scene.size_mm is None:
         raise SpecError("the scene has no print")
     return page_of(scene, scene.inks).half_mm
+
+
+def check_lay(scene: Scene) -> None:
+    """Refuse paper that is too steep; raises `SpecError` as `Relief.nodes`."""
+    if isinstance(scene.lay, Relief) and scene.size_mm is not None:
+        scene.lay.nodes(*half_sides_mm(scene))
 
 
 def page_of(scene: Scene, inks: Inks) -> Page:

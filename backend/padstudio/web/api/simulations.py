@@ -10,6 +10,7 @@ from fastapi.responses import FileResponse
 
 from padstudio.errors import ConflictError, LimitError, SpecError
 from padstudio.geometry.camera import Camera
+from padstudio.simulate.disturbances import WORDS
 from padstudio.simulate.looks import LOOKS
 from padstudio.simulate.radiance.scene import GROUND_KINDS
 from padstudio.simulate.trajectories import VIDEO_KINDS
@@ -18,7 +19,13 @@ from padstudio.store.uploads.uploads import upload_file
 from padstudio.web.api.cameras import camera_text
 from padstudio.web.api.flights import order_flight
 from padstudio.web.schemas.flights import NewFlight
-from padstudio.web.schemas.planning import FrameSpec, LookInfo, LookList, SimulatedFrame
+from padstudio.web.schemas.planning import (
+    DisturbanceInfo,
+    FrameSpec,
+    LookInfo,
+    LookList,
+    SimulatedFrame,
+)
 from padstudio.web.schemas.simulations import Simulation, SimulationSpec
 from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, attachment
 from padstudio.web.server.simulation_service import SimulationJob
@@ -59,7 +66,10 @@ async def simulate_frame(spec: FrameSpec, shared: Shared) -> SimulatedFrame:
 @router.get("/simulate/looks", operation_id="listLooks", summary="Conditions to simulate under")
 def list_looks() -> LookList:
     items = [LookInfo(name=name, note=look.note) for name, look in LOOKS.items()]
-    return LookList(items=items, grounds=list(GROUND_KINDS))
+    words = [
+        DisturbanceInfo(name=name, form=word.form, note=word.note) for name, word in WORDS.items()
+    ]
+    return LookList(items=items, grounds=list(GROUND_KINDS), disturbances=words)
 
 
 @router.post(
@@ -146,7 +156,7 @@ def _checked(spec: SimulationSpec, shared: Services) -> tuple[str | None, str]:
         )
     pad = None if spec.pad is None else store.pads.get(spec.pad).content
     camera = camera_text(store, spec.camera)
-    simulated_flights.check_flight(spec.model_dump(), camera, settings.max_simulated_pixels)
+    simulated_flights.check_flight(spec.model_dump(), pad, camera, settings.max_simulated_pixels)
     return pad, camera
 
 

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.pad.coding.pad_spec import PAPER_COST
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, LayerFields
 from padstudio.web.schemas.pads import PadCrosstalk
+
+#: Of a simulation, NAME=VALUE each.
+Disturbances = Annotated[
+    list[Annotated[str, Field(max_length=80)]],
+    Field(max_length=20, description="NAME=VALUE each; GET /simulate/looks lists them."),
+]
 
 SPEC_EXAMPLE: dict[str, Any] = {
     "name": "helipad",

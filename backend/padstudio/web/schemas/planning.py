@@ -10,6 +10,7 @@ from padstudio.pad.coverage.spans import Method, Source
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW
 from padstudio.simulate.radiance.scene import GroundKind
 from padstudio.simulate.trajectories import MAX_HEIGHT_MM
+from padstudio.web.schemas.base import Disturbances
 from padstudio.web.schemas.printing import PadShape
 
 Point = tuple[float, float]
@@ -218,6 +219,7 @@ class FrameSpec(BaseModel):
     look: str = Field(
         "clear", max_length=40, description="Conditions; GET /simulate/looks lists them."
     )
+    disturbances: Disturbances = []
     ground: GroundKind = "grass"
     quiet_mm: float | None = Field(
         None, ge=0, le=10_000, description="White margin; null takes the pad's own."
@@ -272,16 +274,29 @@ class LookInfo(BaseModel):
     note: str
 
 
+class DisturbanceInfo(BaseModel):
+    name: str
+    form: str = Field(description="What stands after the equals sign.")
+    note: str
+
+
 class LookList(BaseModel):
     """Conditions that a frame can be simulated under."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
-                {"items": [{"name": "clear", "note": "even daylight"}], "grounds": ["grass"]}
+                {
+                    "items": [{"name": "clear", "note": "even daylight"}],
+                    "grounds": ["grass"],
+                    "disturbances": [
+                        {"name": "fog", "form": "METRES", "note": "visibility, of 5 % contrast"}
+                    ],
+                }
             ]
         }
     )
 
     items: list[LookInfo]
     grounds: list[GroundKind]
+    disturbances: list[DisturbanceInfo]

@@ -11,7 +11,7 @@ from padstudio.pad.coverage.spans import Method
 from padstudio.simulate.radiance.scene import GroundKind
 from padstudio.simulate.trajectories import FlightKind
 from padstudio.simulate.video_writer import Codec
-from padstudio.web.schemas.base import ErrorInfo
+from padstudio.web.schemas.base import Disturbances, ErrorInfo
 
 _SPEC_EXAMPLE: dict[str, Any] = {
     "pad": "3f0c5a9e1b7d2468",
@@ -57,6 +57,7 @@ class SimulationSpec(BaseModel):
     look: str = Field(
         "clear", max_length=40, description="Conditions; GET /simulate/looks lists them."
     )
+    disturbances: Disturbances = []
     ground: GroundKind = "grass"
     quiet_mm: float | None = Field(
         None, ge=0, le=10_000, description="White margin; null takes the pad's own."
