@@ -54,10 +54,20 @@ def test_items_come_in_order_from_another_thread() -> None:
 def test_so_many_wait_and_no_more(most: int) -> None:
     source = Counted(50)
     with contextlib.closing(ReadAhead(source(), most)) as items:
+        source.wait_until_made(most + 1)
         for number in items:
-            # One is taken, some wait, and one has no room yet.
-            source.wait_until_made(min(number + 1 + most, 50))
-            assert source.made <= number + 2 + most
+            # Some wait, handed over together, and one more has no room until all are taken.
+            handed_over = number - number % most + most
+            assert source.made <= handed_over + 1 + most * (number % most == most - 1)
+            source.wait_until_made(min(handed_over, 50))
+
+
+def test_items_are_handed_over_together_and_the_last_ones_too() -> None:
+    source = Counted(8)
+    with contextlib.closing(ReadAhead(source(), 3)) as items:
+        assert next(items) == 0
+        assert source.made >= 3
+        assert list(items) == list(range(1, 8))
 
 
 @pytest.mark.parametrize("error", [ValueError("broken"), SystemExit(3)])

@@ -1,7 +1,9 @@
 """Runs an iterator in a thread of its own, a few items ahead of who takes them.
 
 Decoders let go of the interpreter's lock while they work, and so do the detector's loops: one
-thread for each keeps two cores busy. What is made, and in which order, does not depend on when.
+thread for each keeps two cores busy. Where they share a core, each works on several items at a
+time, as what one has in the caches the other displaces. What is made, and in which order, does not
+depend on when.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ class ReadAhead(Generic[T]):
     source : generator
         Runs in the thread from its first step to its last, and is closed there.
     most : int
-        Items that may wait to be taken. With the one that is taken and the one being made, that
-        many and two more exist at a time.
+        Items that may wait to be taken; they are handed over when they are so many, or the last
+        ones. With the one that is taken and the one being made, that many and two more exist.
     pause : callable
         Called while no item is ready, in the thread that takes them, where what it raises goes on.
     """
@@ -40,7 +42,7 @@ class ReadAhead(Generic[T]):
         self._changed = threading.Condition()
         self._made: deque[T] = deque()
         self._error: BaseException | None = None
-        self._is_over = self._is_closed = False
+        self._is_over = self._is_closed = self._is_full = False
         self._thread = threading.Thread(target=self._run, name="read ahead", daemon=True)
         self._thread.start()
 
@@ -54,7 +56,9 @@ class ReadAhead(Generic[T]):
         with self._changed:
             if self._made:
                 item = self._made.popleft()
-                self._changed.notify_all()
+                if not self._made:
+                    self._is_full = False
+                    self._changed.notify_all()
                 return item
             error, self._error = self._error, None
         if error is not None:
@@ -73,7 +77,7 @@ class ReadAhead(Generic[T]):
         """False where none came for a while; True too where none will come any more."""
         with self._changed:
             return self._changed.wait_for(
-                lambda: bool(self._made) or self._is_over or self._is_closed, _PAUSE_EVERY_S
+                lambda: self._is_full or self._is_over or self._is_closed, _PAUSE_EVERY_S
             )
 
     def _run(self) -> None:
@@ -93,8 +97,10 @@ class ReadAhead(Generic[T]):
     def _offer(self, item: T) -> bool:
         """Wait for room; False where nobody takes items any more."""
         with self._changed:
-            self._changed.wait_for(lambda: len(self._made) < self._most or self._is_closed)
+            self._changed.wait_for(lambda: not self._is_full or self._is_closed)
             if not self._is_closed:
                 self._made.append(item)
-                self._changed.notify_all()
+                self._is_full = len(self._made) >= self._most
+                if self._is_full:
+                    self._changed.notify_all()
             return not self._is_closed

@@ -61,7 +61,7 @@ def test_records_are_those_of_frames_one_after_another(task: FramesTask) -> None
     assert [record["frame"] for record in records] == [10, 12, 14, 16, 18, 20]
     assert untimed(records) == untimed(task.run(lambda: False))
     frames = [picture.frame for picture in read_frames(str(VIDEO), part_of(task).timestamps)]
-    found = detector_for(task.recipe).track(frame for frame in frames if frame is not None)
+    found = detector_for(task.recipe).track((f for f in frames if f is not None), fuse=False)
     for record, detection in zip(records, found, strict=True):
         assert detection.pose is not None
         assert record["position_mm"] == detection.pose.position_mm.tolist()

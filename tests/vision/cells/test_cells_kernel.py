@@ -62,3 +62,34 @@ def test_cells_far_smaller_than_others_are_left_out():
     few = np.ones(x.shape, bool)
     cells_kernel.leave_out_small(xy, few, 2.0, 10_000)
     assert few.all()
+
+
+@given(
+    rows=st.integers(1, 14),
+    cols=st.integers(1, 14),
+    block=st.sampled_from([3, 9]),
+    seed=st.integers(0, 1000),
+)
+def test_blocks_are_those_cut_out(rows, cols, block, seed):
+    rng = np.random.default_rng(seed)
+    values = rng.uniform(0, 255, (rows, cols)).astype(np.float32)
+    seen = rng.random((rows, cols)) < 0.7
+    found, half = cells_kernel.relative(values, seen, block), block // 2
+    for r, c in np.ndindex(rows, cols):
+        part = np.s_[max(r - half, 0) : r + half + 1, max(c - half, 0) : c + half + 1]
+        there = values[part][seen[part]].astype(float)
+        plain = (values[r, c] - there.mean()) / max(there.std(), 0.5) if seen[r, c] else 0.0
+        assert abs(found[r, c] - plain) < 1e-4
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_levels_that_occur_equally_often_are_told_apart(count):
+    field = np.random.default_rng(count).integers(0, count, (40, 40))
+    seen = np.ones(field.shape, bool)
+    seen[3, 4] = False
+    relative = ((field - field.mean()) / field.std()).astype(np.float32)
+    found = cells_kernel.to_levels(relative, seen, count)
+    assert found.dtype == np.int8
+    assert found[3, 4] == -1
+    np.testing.assert_array_equal(found[seen], field[seen])
+    assert cells_kernel.to_levels(1e6 * relative, seen, count).max() == count - 1

@@ -8,7 +8,7 @@ from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import lattice_mm
 from padstudio.simulate.radiance.scene import Light
-from padstudio.vision.cells.sampling import read_cells, relative_field, to_levels
+from padstudio.vision.cells.sampling import read_cells, relative_field
 from padstudio.vision.frame.pyramid import Pyramid
 
 
@@ -68,13 +68,6 @@ def test_cells_behind_the_camera_are_not_seen():
     behind = np.isnan(cells.xy).any(axis=-1)
     assert behind.any()
     assert not cells.seen[behind].any()
-
-
-@pytest.mark.parametrize("levels", [2, 3, 4, 7])
-def test_even_levels_come_back_from_their_own_mean_and_spread(levels):
-    values = np.repeat(np.arange(levels), 50)
-    relative = ((values - values.mean()) / values.std()).astype(np.float32)
-    np.testing.assert_array_equal(to_levels(relative, levels), values)
 
 
 def test_a_field_looks_as_its_cells_would():

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from padstudio.vision.frame import pixels_kernel
-from padstudio.vision.frame.pyramid import Pyramid, halved
+from padstudio.vision.frame.pyramid import NO_COLOURS, Pyramid, Window, halved
 
 
 @given(
@@ -38,3 +38,27 @@ def test_impulses_of_a_blurred_picture_are_none():
         window = Pyramid(frame).brightness
         found = pixels_kernel.impulses(window, corners, 90, 8.0, 247.0, 60.0)
         assert (found > 0) == some
+
+
+def test_impulses_are_counted_alike_in_every_form_of_a_picture():
+    rng = np.random.default_rng(2)
+    bright = rng.integers(60, 190, (80, 90)).astype(np.uint8)
+    at = rng.integers(5, 75, (30, 2))
+    bright[at[:, 0], at[:, 1]] = np.where(rng.random(30) < 0.5, 2, 253)
+    spots = len(np.unique(at, axis=0))
+    windows = [
+        Pyramid(np.repeat(bright[:, :, None], 3, axis=2)).brightness,
+        Window(bright, NO_COLOURS, 90, 1.0),
+        # As of a video whose black is 16 and white 235.
+        Window(
+            np.round(bright.astype(float) * 219 / 255 + 16).astype(np.uint8),
+            NO_COLOURS,
+            90,
+            1.0,
+            gain=255 / 219,
+            black=-16 * 255 / 219,
+        ),
+    ]
+    for window in windows:
+        found = pixels_kernel.impulses(window, np.array([[0, 0]]), 80, 8.0, 247.0, 30.0)
+        assert 0.8 * spots <= found <= spots

@@ -31,7 +31,7 @@ logger = logging.getLogger(__name__)
 
 
 # Frames that wait to be detected; a frame of 4 megapixels takes 6 MB in planes.
-_AHEAD = 2
+_AHEAD = 3
 #: Of one frame in `VideoPart.pts`.
 BYTES_OF_TIMESTAMP = 8
 

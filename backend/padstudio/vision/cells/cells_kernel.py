@@ -17,6 +17,8 @@ _TELLING = 16
 # Under tilt cells narrower than this, pixels, are left to the horizon, where enough others are
 # wider: two pixels a cell is the sampling limit, and 60 cells of two levels are beyond chance.
 _LEAST_WIDTH, _ENOUGH = 2.0, 60
+# Of a block's values, squares of grey values: half a grey value.
+_LEAST_VARIANCE = 0.25
 # Where a cell is read whose centre is out of view: toward a side, then toward a corner, by this
 # part of a cell. Not so far that its neighbour shows at the scale that cells are read at. Close to
 # the ground such cells are a third of all.
@@ -69,6 +71,63 @@ def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.flo
                     y = min(max(window.scale * y + window.shift, 0.0), rows - 1.001)
                     value += window.weight * between(window.colours, 1, 0, x, y)
                 out[r, c] = value
+    return out
+
+
+@fast_jit
+def relative(
+    values: NDArray[np.float32], seen: NDArray[np.bool_], block: int
+) -> NDArray[np.float32]:
+    """Values against mean and deviation of those seen in the block round each, 0 where not seen.
+
+    The sums of a block are those of the block before it, a row or column added and one taken off.
+    """
+    (rows, cols), half = values.shape, block // 2
+    out, sums, box = np.zeros(values.shape, np.float32), np.zeros((3, cols)), np.zeros((3, cols))
+    for r in range(-half, rows):
+        for sign, row in ((1.0, r + half), (-1.0, r - half - 1)):
+            if 0 <= row < rows:
+                for c in range(cols):
+                    share = sign if seen[row, c] else 0.0
+                    value = float(values[row, c])
+                    sums[0, c] += share
+                    sums[1, c] += share * value
+                    sums[2, c] += share * value * value
+        if r < 0:
+            continue
+        count = total = square = 0.0
+        for c in range(-half, cols):
+            if c + half < cols:
+                count, total = count + sums[0, c + half], total + sums[1, c + half]
+                square += sums[2, c + half]
+            if c > half:
+                count, total = count - sums[0, c - half - 1], total - sums[1, c - half - 1]
+                square -= sums[2, c - half - 1]
+            if c >= 0:
+                box[0, c], box[1, c], box[2, c] = count, total, square
+        for c in range(cols):
+            count = max(box[0, c], 1.0)
+            mean = box[1, c] / count
+            deviation = math.sqrt(max(box[2, c] / count - mean * mean, _LEAST_VARIANCE))
+            out[r, c] = (values[r, c] - mean) / deviation if seen[r, c] else 0.0
+    return out
+
+
+@fast_jit
+def to_levels(
+    relative: NDArray[np.float32], seen: NDArray[np.bool_], count: int
+) -> NDArray[np.int8]:
+    """Levels 0 … count − 1 of block-relative values for levels that occur equally often, or −1.
+
+    Evenly spaced, equally frequent levels 0 … Y−1 have mean (Y−1)/2 and variance (Y²−1)/12.
+    """
+    out = np.empty(relative.shape, np.int8)
+    spread, middle = math.sqrt((count * count - 1) / 12), (count - 1) / 2
+    for r in range(relative.shape[0]):
+        for c in range(relative.shape[1]):
+            level = np.rint(relative[r, c] * spread + middle)
+            level = min(max(level, 0.0), count - 1.0)
+            out[r, c] = np.int8(level) if seen[r, c] else -1
     return out
 
 

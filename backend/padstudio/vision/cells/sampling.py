@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,16 +63,7 @@ class CellGrid:
 
     def levels(self, count: int) -> NDArray[np.int8]:
         """Levels 0 … count−1 as the picture alone tells them, −1 where not seen; (R, C)."""
-        return np.where(self.seen, to_levels(self.relative, count), -1).astype(np.int8)
-
-
-def to_levels(relative: NDArray[np.float32], count: int) -> NDArray[np.int8]:
-    """Levels of block-relative values, for levels that occur equally often.
-
-    Evenly spaced, equally frequent levels 0 … Y−1 have mean (Y−1)/2 and variance (Y²−1)/12.
-    """
-    spread = math.sqrt((count * count - 1) / 12)
-    return np.clip(np.round(relative * spread + (count - 1) / 2), 0, count - 1).astype(np.int8)
+        return cells_kernel.to_levels(np.ascontiguousarray(self.relative), self.seen, count)
 
 
 def read_cells(
@@ -113,26 +103,11 @@ def read_cells(
     widest = min(width, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
     level = math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
     values = cells_kernel.sample(pyramid.window(channel, level), xy, seen)
-    relative = _relative(values, seen)
+    relative = cells_kernel.relative(values, seen, _BLOCK)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
-
-
-def _relative(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Block mean: each value against the mean and deviation of the block of cells round it."""
-    weight = seen.astype(np.float32)
-    filled = np.where(seen, values, 0).astype(np.float32)
-    size = (_BLOCK, _BLOCK)
-    count = cv2.boxFilter(weight, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
-    total = cv2.boxFilter(filled, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
-    square = cv2.boxFilter(
-        filled * filled, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT
-    )
-    count = np.maximum(count, 1)
-    mean = total / count
-    deviation = np.sqrt(np.maximum(square / count - mean * mean, 0.25))
-    return np.where(seen, (filled - mean) / deviation, 0).astype(np.float32)
 
 
 def relative_field(field: NDArray[np.uint8]) -> NDArray[np.float32]:
     """A pad's field (R, C) seen as `CellGrid.relative` would show it."""
-    return _relative(field.astype(np.float32) * 64, np.ones(field.shape, bool))
+    values = field.astype(np.float32) * 64
+    return cells_kernel.relative(values, np.ones(field.shape, bool), _BLOCK)
