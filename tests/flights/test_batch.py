@@ -1,6 +1,9 @@
+import copy
 import json
 import os
 
+import frame_records
+import numpy as np
 import pytest
 from places import ROOT
 
@@ -86,6 +89,43 @@ def test_a_video_is_read_in_pieces_with_its_own_times():
         assert record["position_mm"] == pytest.approx(true, abs=0.02 * true[2])
         assert "covariance" not in record
     assert [record["frame"] for record in records] == [0, 20, 40]
+
+
+def test_poses_of_a_video_are_fused_as_asked_for():
+    pieces = batch.plan([LANDING], LANDED, stride=6)
+    alone, filtered, smoothed = (
+        list(batch.detect(pieces, fusion=fusion)) for fusion in ("none", "filter", "smooth")
+    )
+    truth = json.loads(LANDING.with_suffix(".truth.json").read_text(encoding="utf-8"))["frames"]
+    for own, *fused in zip(alone, filtered, smoothed, strict=True):
+        assert own["estimate"] == "frame"
+        assert [record["estimate"] for record in fused] == ["filtered", "smoothed"]
+        true = truth[own["frame"]]["position_mm"]
+        for record in fused:
+            assert record["frame"] == own["frame"]
+            assert record["single"]["position_mm"] == pytest.approx(own["position_mm"], abs=1e-6)
+            assert record["position_mm"] == pytest.approx(true, abs=0.02 * true[2])
+            assert "covariance" not in record["single"]
+
+
+def test_a_run_that_goes_on_fuses_as_one_that_was_not_broken_off(monkeypatch):
+    numbers = [range(start, start + 40) for start in range(0, 160, 40)]
+    records = frame_records.records(160)
+
+    def run(piece):
+        return copy.deepcopy(records[piece.numbers.start : piece.numbers.stop])
+
+    monkeypatch.setattr(batch, "_here", run)
+    pieces = [batch.Piece("a.mp4", some, None) for some in numbers]
+    for fusion in ("filter", "smooth"):
+        whole = list(batch.detect(pieces, fusion=fusion))
+        done = {("a.mp4", number) for number in range(90)}
+        rest = list(batch.detect(pieces, done=done, fusion=fusion))
+        assert [record["frame"] for record in rest] == list(range(90, 160))
+        for a, b in zip(whole[90:], rest, strict=True):
+            if a["status"] == "ok":
+                off = np.abs(np.subtract(a["position_mm"], b["position_mm"]))
+                assert (off < 0.05 * np.array(a["position_sigma_mm"])).all()
 
 
 def test_done_frames_are_left_out():

@@ -23,6 +23,7 @@ from padstudio.cli.support import (
     show_table,
 )
 from padstudio.flights import batch
+from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
 from padstudio.flights.tasks.detectors import Recipe
 from padstudio.geometry.presets import load_camera
@@ -67,6 +68,12 @@ Jobs = Annotated[
 ]
 Stride = Annotated[int, typer.Option(min=1, help="Read every n-th frame of videos.")]
 Rotation = Annotated[bool, typer.Option(help="Turn videos as their rotation flag says.")]
+Fuse = Annotated[
+    bool, typer.Option(help="Fuse the poses of a video over time, each by its own covariance.")
+]
+Smooth = Annotated[
+    bool, typer.Option("--smooth", help="Fuse them with later frames, too: for recordings.")
+]
 Resume = Annotated[
     bool, typer.Option("--resume", help="Go on with an existing file: read what it lacks.")
 ]
@@ -90,6 +97,8 @@ def detect(
     jobs: Jobs = 0,
     stride: Stride = 1,
     apply_rotation: Rotation = True,
+    fuse: Fuse = True,
+    smooth: Smooth = False,
     resume: Resume = False,
     force: Force = False,
     quiet: Quiet = False,
@@ -107,6 +116,7 @@ def detect(
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
     settings = {"prepare": {"unmix": unmix}, "refine": {"at_rest": at_rest}}
     recipe = _recipe(pad, camera, method, settings)
+    fusion = _fusion(fuse, smooth)
     paths = find_frames(frames)
     with _writer(output, resume=resume, force=force) as (file, earlier):
         pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
@@ -114,7 +124,8 @@ def detect(
         outcomes = list(earlier.values())
         with progress_bar("Detecting", total) as progress:
             progress(len(outcomes))
-            for record in batch.detect(pieces, jobs=_jobs(jobs, total, len(pieces)), done=earlier):
+            workers = _jobs(jobs, total, len(pieces))
+            for record in batch.detect(pieces, jobs=workers, done=earlier, fusion=fusion):
                 outcomes.append(_write(record, file))
                 progress(len(outcomes))
     if not quiet:
@@ -131,6 +142,12 @@ def _recipe(
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
     content = Pad.load(pad).dumps()
     return Recipe(content, the_camera.to_ros_yaml(), method, json.dumps(params))
+
+
+def _fusion(fuse: bool, smooth: bool) -> Fusion:
+    if smooth and not fuse:
+        raise typer.BadParameter("--smooth fuses poses; it excludes --no-fuse")
+    return "smooth" if smooth else "filter" if fuse else "none"
 
 
 def _write(record: dict[str, Any], file: IO[str]) -> Figures:

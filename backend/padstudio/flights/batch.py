@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cv2
 
 from padstudio.errors import StudioError
+from padstudio.flights.results.fusing import Fusion, fused_records, without_covariance
 from padstudio.flights.tasks import from_rows
 from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.flights.tasks.frames import (
@@ -115,7 +117,11 @@ def plan(
 
 
 def detect(
-    pieces: Sequence[Piece], *, jobs: int = 1, done: Collection[tuple[str, int]] = frozenset()
+    pieces: Sequence[Piece],
+    *,
+    jobs: int = 1,
+    done: Collection[tuple[str, int]] = frozenset(),
+    fusion: Fusion = "filter",
 ) -> Iterator[Record]:
     """Records of a poses file, one a frame, in the order of the pieces.
 
@@ -130,6 +136,8 @@ def detect(
         Worker processes; with 1 the work is done in this process.
     done : collection of (source, frame)
         Frames to leave out.
+    fusion : {"none", "filter", "smooth"}
+        Of the poses of videos, as of `padstudio.flights.results.fusing.fused_records`.
 
     Yields
     ------
@@ -138,12 +146,30 @@ def detect(
         decoder had to
         fill in for missing data.
     """
-    left = [piece for piece in pieces if any((piece.source, n) not in done for n in piece.numbers)]
-    for records in _in_order(left, jobs) if jobs > 1 else map(_here, left):
-        for record in records:
-            record.pop("covariance", None)
-            if (record["source"], record["frame"]) not in done:
-                yield record
+    left = _left(pieces, done, fusion)
+    blocks = _in_order(left, jobs) if jobs > 1 else map(_here, left)
+    for record in fused_records(chain.from_iterable(blocks), fusion):
+        if (record["source"], record["frame"]) not in done:
+            yield without_covariance(record)
+
+
+def _left(
+    pieces: Sequence[Piece], done: Collection[tuple[str, int]], fusion: Fusion
+) -> list[Piece]:
+    """Pieces with frames to be read, and those next to them that their poses are fused with."""
+    wanted = [any((piece.source, n) not in done for n in piece.numbers) for piece in pieces]
+    # The filter looks back, the smoother ahead, too.
+    beside = {"none": (), "filter": (1,), "smooth": (-1, 1)}[fusion]
+
+    def serves(place: int, other: int) -> bool:
+        return wanted[other] and pieces[other].source == pieces[place].source
+
+    places = range(len(pieces))
+    return [
+        piece
+        for place, piece in enumerate(pieces)
+        if wanted[place] or any(serves(place, place + by) for by in beside if place + by in places)
+    ]
 
 
 def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -> list[Piece]:

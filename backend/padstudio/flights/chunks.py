@@ -14,6 +14,7 @@ from typing import Any
 from sqlalchemy import func, insert, select, update
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
+from padstudio.flights.results.fused_rows import fuse_around
 from padstudio.flights.results.rows import insert_rows, rows_of
 from padstudio.flights.tasks.frames import Record
 from padstudio.flights.tasks.planning import Plan
@@ -155,6 +156,8 @@ class Chunks:
                 select(FlightRow.request).where(FlightRow.key == claim.flight)
             ).scalar_one()
             insert_rows(session, request, frames, details)
+            numbers = range(frames[0]["number"], frames[-1]["number"] + 1)
+            fuse_around(session, claim.flight, request, numbers)
             session.execute(
                 update(FlightRow)
                 .where(FlightRow.key == claim.flight)

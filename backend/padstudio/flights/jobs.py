@@ -44,7 +44,7 @@ class FlightOrder:
         The content of a pad file and of a camera file.
     request : mapping
         JSON-serialisable: ``method``, ``params``, ``first_frame``, ``end_frame``, ``stride``,
-        ``apply_rotation``, and what else lists show.
+        ``apply_rotation``, ``fuse``, ``smooth``, and what else lists show.
     rerun_of : str or None
     """
 

@@ -30,7 +30,7 @@ def warm_up() -> bool:
     for cell_px in _CELL_PX:
         frame = _frame(pad, cell_px)
         for frames in ([frame] * 3, [_in_planes(frame)] * 2):
-            found += [detection.ok for detection in detector.track(frames)]
+            found += [detection.ok for detection in detector.track(frames, smooth=True)]
     return all(found)
 
 

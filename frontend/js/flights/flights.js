@@ -25,7 +25,7 @@ import { mountUploadList } from "./uploadList.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "../shared/readingLogic.js";
 import * as flightsApi from "../server/flightsApi.js";
 import { makeIntake } from "../shared/intake.js";
-import { missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
+import { fusionValues, missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeUploadQueue } from "./uploadQueue.js";
 import { readyIds, totals } from "./uploadsLogic.js";
@@ -130,7 +130,9 @@ async function start() {
   const { pad, camera, method } = state;
   const name = byId("flight-name").value.trim();
   const uploads = readyIds(state.items) ?? [];
-  const order = { uploads, pad, camera, method, ...rangeValues(rangeFields()), ...(name ? { name } : {}) };
+  const fusion = fusionValues(byId("fusion").querySelector("input:checked").value);
+  const read = { method, ...fusion, ...rangeValues(rangeFields()) };
+  const order = { uploads, pad, camera, ...read, ...(name ? { name } : {}) };
   try {
     const flight = await flightsApi.createFlight(order);
     queue.clear();

@@ -52,6 +52,23 @@ export function rangeOf({ first_frame: first = 0, end_frame: end = null, stride 
 }
 
 /**
+ * How poses go together over time, as the server takes it.
+ * @param {string} fusion  none, filter or smooth
+ * @returns {{fuse: boolean, smooth: boolean}}
+ */
+export const fusionValues = (fusion) => ({ fuse: fusion !== "none", smooth: fusion === "smooth" });
+
+/**
+ * What the field holds for a flight's request; flights of older programs were not fused.
+ * @param {{fuse?: boolean, smooth?: boolean}} request
+ * @returns {string}
+ */
+export function fusionOf({ fuse = false, smooth = false }) {
+  if (!fuse) return "none";
+  return smooth ? "smooth" : "filter";
+}
+
+/**
  * What is still needed; empty where nothing is.
  * @param {{pad: string, camera: string, files: number}} state
  * @returns {string}

@@ -5,7 +5,7 @@ import { isOpen } from "/static/js/server/flightsApi.js";
 import { progressInWords, restInWords } from "/static/js/shared/flightStateLogic.js";
 import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flight/flightFrameLogic.js";
 import { bytes, clock, percent } from "/static/js/shared/formatLogic.js";
-import { missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/shared/orderLogic.js";
+import { fusionOf, fusionValues, missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/shared/orderLogic.js";
 import { contains, equal } from "./check.js";
 
 const flight = (change = {}) => ({
@@ -54,6 +54,10 @@ export const tests = {
     contains(fault({ first: "1.5" }), "whole");
     contains(fault({ stride: "0" }), "n must");
     contains(fault({ first: "9", last: "8" }), "before");
+  },
+  "how poses go together is kept for another run": () => {
+    for (const fusion of ["none", "filter", "smooth"]) equal(fusionOf(fusionValues(fusion)), fusion);
+    equal(fusionOf({}), "none");
   },
   "what is missing for an order": () => {
     equal(missingOrder({ pad: "1", camera: "2", files: 1 }), "");

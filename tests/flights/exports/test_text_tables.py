@@ -175,3 +175,17 @@ def test_long_flights_come_in_blocks() -> None:
 def test_rotations_of_this_test_agree_with_opencv() -> None:
     turned, _ = cv2.Rodrigues(np.array([0.0, 0.0, np.pi / 2]))
     assert rotation([np.sqrt(0.5), 0, 0, np.sqrt(0.5)]) == pytest.approx(turned)
+
+
+@pytest.mark.parametrize("estimate", ["frame", "filtered", "smoothed"])
+def test_poses_are_told_apart_by_what_they_rest_on(estimate):
+    told = [
+        record | ({"estimate": estimate} if record["status"] == "ok" else {})
+        for record in records()
+    ]
+    text = b"".join(export("tum", told)).decode()
+    rest = {"frame": "alone", "filtered": "filtered", "smoothed": "smoothed"}[estimate]
+    (line,) = [line for line in text.splitlines() if line.startswith("# poses")]
+    assert rest in line
+    rows = list(csv.DictReader(io.StringIO(b"".join(export("csv", told)).decode())))
+    assert {row["estimate"] for row in rows} == {estimate, ""}

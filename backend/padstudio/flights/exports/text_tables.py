@@ -46,6 +46,7 @@ COLUMNS = (
     "reason",
     "detail",
     "elapsed_ms",
+    "estimate",
 )
 _PLAIN = (
     "heading_deg",
@@ -91,6 +92,7 @@ def _row(record: Record) -> list[object]:
         record.get("reason"),
         _text(record.get("detail")),
         (record.get("elapsed_ms") or {}).get("total"),
+        record.get("estimate"),
     ]
 
 
@@ -119,6 +121,13 @@ _TUM_HEADER = """\
 """
 
 
+_ESTIMATES = {
+    "frame": "# poses: of each frame alone\n",
+    "filtered": "# poses: filtered, with the frames before each\n",
+    "smoothed": "# poses: smoothed, with the frames before and after each\n",
+}
+
+
 def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
     """``timestamp tx ty tz qx qy qz qw``, a line a pose of quality ``full``.
 
@@ -127,10 +136,15 @@ def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
     """
     since = " of Unix time" if options.start_unix_s else ""
-    yield _TUM_HEADER.format(since=since).encode()
+    header = _TUM_HEADER.format(since=since)
     for record, time_s in timed(records):
         if full_pose_of(record) is not None:
+            if header:
+                yield (header + _ESTIMATES.get(record.get("estimate", "frame"), "")).encode()
+                header = ""
             position = (f"{value / 1000:.9f}" for value in record["position_mm"])
             quaternion = (f"{value:.12f}" for value in record["quaternion_xyzw"])
             stamp = f"{options.start_unix_s + time_s:.6f}"
             yield " ".join([stamp, *position, *quaternion]).encode() + b"\n"
+    if header:
+        yield header.encode()

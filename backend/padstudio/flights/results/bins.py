@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from padstudio.store.database.flight_tables import FlightRow, FrameBinRow
+from padstudio.store.database.flight_tables import FlightRow, FrameBinRow, FrameRow
 
 #: Frames of a whole bin.
 BIN_FRAMES = 100
@@ -86,6 +86,34 @@ def _sum_up(frames: Sequence[Mapping[str, Any]], damaged: Collection[int]) -> Ro
             "unknown": sum(f["status"] == "ok" and f.get("quality") is None for f in frames),
         },
     }
+
+
+def sum_up_again(session: Session, flight: int, first: int, last: int) -> None:
+    """Bring bins up to date whose frames, from `first` to `last`, have changed.
+
+    How many of them are damaged does not change.
+    """
+    mine = FrameBinRow.flight == flight
+    parts = session.execute(
+        select(FrameBinRow.first_frame, FrameBinRow.last_frame, FrameBinRow.body).where(
+            mine, FrameBinRow.first_frame <= last, FrameBinRow.last_frame >= first
+        )
+    ).all()
+    for part in parts:
+        rows = session.execute(
+            select(*FrameRow.__table__.c)
+            .where(
+                FrameRow.flight == flight,
+                FrameRow.number.between(part.first_frame, part.last_frame),
+            )
+            .order_by(FrameRow.number)
+        )
+        found = _sum_up([dict(row) for row in rows.mappings()], frozenset())
+        found["body"]["damaged"] = part.body["damaged"]
+        session.execute(
+            update(FrameBinRow).where(mine, FrameBinRow.first_frame == part.first_frame),
+            {key: found[key] for key in ("z_min_mm", "z_max_mm", "body")},
+        )
 
 
 def read_bins(

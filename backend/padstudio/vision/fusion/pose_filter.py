@@ -60,6 +60,13 @@ class Measurement:
     covariance: Array
 
     @property
+    def is_usable(self) -> bool:
+        """False where it holds what no filter can reckon with."""
+        spread = np.diag(self.covariance)
+        numbers = (self.pose.position_mm, self.pose.rotation, self.covariance)
+        return bool(all(np.isfinite(part).all() for part in numbers) and (spread > 0).all())
+
+    @property
     def seen(self) -> tuple[Array, Array, Array]:
         """The pad's centre in the camera frame, the attitude, and the covariance of both."""
         by_pose = seen_by_pose(self.pose)

@@ -49,11 +49,16 @@ def fuse(
     smooth : bool
         With the frames after each, too; items then come later than they are taken.
     """
+
+    def usable(item: T) -> Measurement | None:
+        frame = measure(item)
+        return frame if frame is not None and frame.is_usable else None
+
     if smooth:
-        yield from _Smoother(measure, pose_filter).run(items)
+        yield from _Smoother(usable, pose_filter).run(items)
         return
     for item in items:
-        frame = measure(item)
+        frame = usable(item)
         yield item, None if frame is None else pose_filter.step(frame)
 
 

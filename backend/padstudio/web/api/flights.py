@@ -44,6 +44,8 @@ _DEFAULTS: dict[str, Any] = {
     "end_frame": None,
     "stride": 1,
     "apply_rotation": True,
+    "fuse": True,
+    "smooth": False,
 }
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
@@ -221,7 +223,7 @@ def _fields(shared: Services, row: FlightRow) -> dict[str, Any]:
 def _changed(order: FlightOrder, given: FlightSettings, store: Store) -> FlightOrder:
     """An order with what was given in place of what it had."""
     values = given.model_dump(exclude_unset=True)
-    request = dict(order.request)
+    request = _DEFAULTS | dict(order.request)
     request |= {name: values[name] for name in _DEFAULTS if name in values}
     request = {
         name: _DEFAULTS[name] if value is None and name in _DEFAULTS else value

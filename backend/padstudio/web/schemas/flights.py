@@ -45,6 +45,8 @@ FLIGHT_EXAMPLE: dict[str, Any] = {
         "end_frame": None,
         "stride": 1,
         "apply_rotation": True,
+        "fuse": True,
+        "smooth": False,
     },
 }
 SOURCE_EXAMPLE: dict[str, Any] = {
@@ -140,6 +142,12 @@ class FlightSettings(BaseModel):
     stride: int | None = Field(None, ge=1, le=100_000, description="Read every n-th frame.")
     apply_rotation: bool | None = Field(
         None, description="Turn videos as their rotation flag says; so by default."
+    )
+    fuse: bool | None = Field(
+        None, description="Fuse the poses of videos over time; so by default."
+    )
+    smooth: bool | None = Field(
+        None, description="Fuse them with later frames, too; not so by default."
     )
 
 

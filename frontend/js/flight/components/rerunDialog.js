@@ -8,7 +8,7 @@ import * as api from "../../server/api.js";
 import { messageOf } from "../../server/request.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "../../shared/readingLogic.js";
 import { makeIntake } from "../../shared/intake.js";
-import { paramsFrom, rangeFault, rangeOf, rangeValues } from "../../shared/orderLogic.js";
+import { fusionOf, fusionValues, paramsFrom, rangeFault, rangeOf, rangeValues } from "../../shared/orderLogic.js";
 import { mountChoice } from "../../shared/components/choice.js";
 
 /**
@@ -66,14 +66,15 @@ export function mountRerunDialog(dialog, { onRun }) {
     byId("params-error").textContent = fault;
     byId("range-error").textContent = rangeFault(range());
     if (fault || rangeFault(range())) return;
-    const method = dialog.querySelector("input[type=radio]:checked");
+    const chosen = (/** @type {string} */ id) => byId(id).querySelector("input:checked").value;
     try {
       await onRun({
         // What was chosen by its id may be gone; the run keeps copies of its own.
         ...(state.pad ? { pad: state.pad } : {}),
         ...(state.camera ? { camera: state.camera } : {}),
-        method: /** @type {HTMLInputElement} */ (method).value,
+        method: chosen("method"),
         params,
+        ...fusionValues(chosen("fusion")),
         ...rangeValues(range()),
       });
       dialog.close();
@@ -91,6 +92,9 @@ export function mountRerunDialog(dialog, { onRun }) {
       for (const [name, value] of Object.entries(rangeOf(request))) byId(name).value = value;
       for (const input of byId("method").querySelectorAll("input")) {
         input.checked = input.value === request.method;
+      }
+      for (const input of byId("fusion").querySelectorAll("input")) {
+        input.checked = input.value === fusionOf(request);
       }
       const hasParams = Object.keys(request.params ?? {}).length > 0;
       byId("params").value = hasParams ? JSON.stringify(request.params, null, 1) : "";

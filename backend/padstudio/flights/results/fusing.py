@@ -1,0 +1,102 @@
+"""Fuses the poses of a poses file's records over time; a pure function for files and database.
+
+Chunks of a video are analysed apart and hold frames' own poses. They are fused afterwards, in the
+order of time, so that nobody sees where chunks begin, or who worked on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import Any, Literal
+
+import numpy as np
+
+from padstudio.arrays import Array
+from padstudio.flights.results.rows import rotation_of
+from padstudio.geometry.pose import Pose
+from padstudio.vision.fusion.detections import uncertainty_of
+from padstudio.vision.fusion.pose_filter import Fused, Measurement, PoseFilter
+from padstudio.vision.fusion.smoother import fuse
+from padstudio.vision.stage.detection import pose_fields
+
+Record = dict[str, Any]
+#: Not at all; with the frames before each; with those after it, too.
+Fusion = Literal["none", "filter", "smooth"]
+
+_UPPER = np.triu_indices(6)
+# Of a frame's own pose; the covariance beside them is for who fuses again.
+_SINGLE = (
+    "position_mm",
+    "quaternion_xyzw",
+    "position_sigma_mm",
+    "attitude_sigma_deg",
+    "covariance",
+)
+
+
+def fused_records(records: Iterable[Record], fusion: Fusion) -> Iterator[Record]:
+    """Records with fused poses, in their order.
+
+    Stills have no times and stay as they are, as do poses without ``covariance``. Each source is
+    fused by itself. What was fused before is fused anew from the frames' own poses.
+
+    Parameters
+    ----------
+    records : iterable of dict
+        As `padstudio.flights.tasks.frames.FramesTask.run` gives, in the order of time.
+    fusion : {"none", "filter", "smooth"}
+    """
+    if fusion == "none":
+        yield from map(single_record, records)
+        return
+    for _, some in groupby(records, key=lambda record: record["source"]):
+        singles = map(single_record, some)
+        for record, fused in fuse(singles, _measure, PoseFilter(), smooth=fusion == "smooth"):
+            yield record if fused is None else _with_pose(record, fused, fusion)
+
+
+def single_record(record: Record) -> Record:
+    """A record with the frame's own pose."""
+    single = record.get("single")
+    if single is None:
+        return record
+    pose = Pose(np.array(single["position_mm"], float), rotation_of(single["quaternion_xyzw"]))
+    own = {name: single[name] for name in _SINGLE if name in single}
+    rest = {key: value for key, value in record.items() if key != "single"}
+    return rest | pose_fields(pose) | own | {"estimate": "frame"}
+
+
+def without_covariance(record: Record) -> Record:
+    """A record as poses files hold it."""
+    lean = {key: value for key, value in record.items() if key != "covariance"}
+    if "single" in lean:
+        lean["single"] = {k: v for k, v in lean["single"].items() if k != "covariance"}
+    return lean
+
+
+def _measure(record: Record) -> Measurement | None:
+    covariance, time_s = record.get("covariance"), record.get("time_s")
+    if record["status"] != "ok" or covariance is None or time_s is None:
+        return None
+    pose = Pose(np.array(record["position_mm"], float), rotation_of(record["quaternion_xyzw"]))
+    return Measurement(float(time_s), pose, _full_matrix(covariance))
+
+
+def _with_pose(record: Record, fused: Fused, fusion: Fusion) -> Record:
+    sigma = uncertainty_of(fused)
+    single = {name: record.get(name) for name in _SINGLE}
+    return record | {
+        **pose_fields(fused.pose),
+        "position_sigma_mm": sigma.position_sigma_mm.tolist(),
+        "attitude_sigma_deg": sigma.attitude_sigma_deg.tolist(),
+        "covariance": fused.covariance[_UPPER].tolist(),
+        "estimate": "smoothed" if fusion == "smooth" else "filtered",
+        "single": single | {"is_outlier": fused.is_outlier},
+    }
+
+
+def _full_matrix(upper: Sequence[float]) -> Array:
+    matrix = np.zeros((6, 6))
+    matrix[_UPPER] = upper
+    return np.asarray(matrix + np.triu(matrix, 1).T)
