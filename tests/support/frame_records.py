@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from wandering import Wandering
 
-from padstudio.vision.stage.detection import pose_fields
+from padstudio.vision.stage.detection import Uncertainty, pose_fields, uncertainty_fields
 
 Record = dict[str, Any]
 FAILED = {"status": "failed", "stage": "grid", "reason": "no_lattice", "detail": "", "advice": ""}
@@ -22,12 +22,12 @@ def records(count: int, *, seed: int = 1, source: str = "a.mp4", fps: float = 10
         if number % 11 == 5:
             record |= FAILED
         else:
-            sigma = np.sqrt(np.diag(frame.covariance))
+            sigma = Uncertainty.of(frame.pose, frame.covariance)
             record |= {"status": "ok", "layer": "red", "estimate": "frame"}
             record |= pose_fields(frame.pose)
             record |= {
-                "position_sigma_mm": sigma[:3].tolist(),
-                "attitude_sigma_deg": np.degrees(sigma[3:]).tolist(),
+                **uncertainty_fields(sigma),
+                "quality": sigma.quality_at(frame.pose.range_mm),
                 "covariance": frame.covariance[np.triu_indices(6)].tolist(),
             }
         out.append(record | {"elapsed_ms": {"total": 1.0}})

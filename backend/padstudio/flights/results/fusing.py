@@ -13,12 +13,12 @@ from typing import Any, Literal
 import numpy as np
 
 from padstudio.arrays import Array
+from padstudio.flights.results.completed import completed
 from padstudio.flights.results.rows import rotation_of
 from padstudio.geometry.pose import Pose
-from padstudio.vision.fusion.detections import uncertainty_of
 from padstudio.vision.fusion.pose_filter import Fused, Measurement, PoseFilter
 from padstudio.vision.fusion.smoother import fuse
-from padstudio.vision.stage.detection import pose_fields
+from padstudio.vision.stage.detection import Uncertainty, pose_fields, uncertainty_fields
 
 Record = dict[str, Any]
 #: Not at all; with the frames before each; with those after it, too.
@@ -31,6 +31,7 @@ _SINGLE = (
     "quaternion_xyzw",
     "position_sigma_mm",
     "attitude_sigma_deg",
+    "quality",
     "covariance",
 )
 
@@ -63,8 +64,9 @@ def single_record(record: Record) -> Record:
         return record
     pose = Pose(np.array(single["position_mm"], float), rotation_of(single["quaternion_xyzw"]))
     own = {name: single[name] for name in _SINGLE if name in single}
-    rest = {key: value for key, value in record.items() if key != "single"}
-    return rest | pose_fields(pose) | own | {"estimate": "frame"}
+    fused = ("single", "range_sigma_mm", "bearing_sigma_deg")
+    rest = {key: value for key, value in record.items() if key not in fused}
+    return completed(rest | pose_fields(pose) | own | {"estimate": "frame"})
 
 
 def without_covariance(record: Record) -> Record:
@@ -84,12 +86,12 @@ def _measure(record: Record) -> Measurement | None:
 
 
 def _with_pose(record: Record, fused: Fused, fusion: Fusion) -> Record:
-    sigma = uncertainty_of(fused)
+    sigma = Uncertainty.of(fused.pose, fused.covariance)
     single = {name: record.get(name) for name in _SINGLE}
     return record | {
         **pose_fields(fused.pose),
-        "position_sigma_mm": sigma.position_sigma_mm.tolist(),
-        "attitude_sigma_deg": sigma.attitude_sigma_deg.tolist(),
+        **uncertainty_fields(sigma),
+        "quality": sigma.quality_at(fused.pose.range_mm),
         "covariance": fused.covariance[_UPPER].tolist(),
         "estimate": "smoothed" if fusion == "smooth" else "filtered",
         "single": single | {"is_outlier": fused.is_outlier},

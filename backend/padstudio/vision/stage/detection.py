@@ -66,6 +66,10 @@ class Uncertainty:
         ranges = range_sigma_mm(pose, linear), bearing_sigma_deg(pose, linear)
         return cls(sigma[:3], np.degrees(sigma[3:]), covariance, *ranges)
 
+    def quality_at(self, range_mm: float) -> Quality:
+        """As of `padstudio.geometry.range_bearing.quality_of`, of a pose at that range."""
+        return quality_of(range_mm, self.position_sigma_mm, self.attitude_sigma_deg)
+
 
 @dataclass(frozen=True)
 class SinglePose:
@@ -166,7 +170,7 @@ class Detection:
         sigma = self.uncertainty
         if self.pose is None or sigma is None:
             return None
-        return quality_of(self.pose.range_mm, sigma.position_sigma_mm, sigma.attitude_sigma_deg)
+        return sigma.quality_at(self.pose.range_mm)
 
     def to_record(
         self, source: str, *, frame: int = 0, time_s: float | None = None
@@ -200,10 +204,7 @@ class Detection:
             "log10_false_alarm": round(self.log10_false_alarm, 2),
             "reprojection_px": self.reprojection_px,
             "ambiguity": self.ambiguity,
-            "position_sigma_mm": None if sigma is None else sigma.position_sigma_mm.tolist(),
-            "attitude_sigma_deg": None if sigma is None else sigma.attitude_sigma_deg.tolist(),
-            "range_sigma_mm": self.range_sigma_mm,
-            "bearing_sigma_deg": self.bearing_sigma_deg,
+            **uncertainty_fields(sigma),
             "quality": self.quality,
         }
 
@@ -222,6 +223,16 @@ def pose_fields(pose: Pose) -> dict[str, Any]:
     }
 
 
+def uncertainty_fields(sigma: Uncertainty | None) -> dict[str, Any]:
+    """Standard deviations as the JSON fields of a poses file."""
+    return {
+        "position_sigma_mm": None if sigma is None else sigma.position_sigma_mm.tolist(),
+        "attitude_sigma_deg": None if sigma is None else sigma.attitude_sigma_deg.tolist(),
+        "range_sigma_mm": None if sigma is None else sigma.range_sigma_mm,
+        "bearing_sigma_deg": None if sigma is None else sigma.bearing_sigma_deg,
+    }
+
+
 def single_fields(single: SinglePose) -> dict[str, Any]:
     """A frame's own pose as JSON fields."""
     return {
@@ -229,5 +240,6 @@ def single_fields(single: SinglePose) -> dict[str, Any]:
         "quaternion_xyzw": single.pose.quaternion_xyzw.tolist(),
         "position_sigma_mm": single.uncertainty.position_sigma_mm.tolist(),
         "attitude_sigma_deg": single.uncertainty.attitude_sigma_deg.tolist(),
+        "quality": single.uncertainty.quality_at(single.pose.range_mm),
         "is_outlier": single.is_outlier,
     }
