@@ -5,6 +5,7 @@
 
 Every row is one call of `generate_field`, verification included, in a warm process; ``reached``
 is the number of rows where the budget ended first. Without --quick the rows of a minute run too.
+Pads follow, with independent layers and with the paper's, in turns.
 """
 
 from __future__ import annotations
@@ -22,7 +23,13 @@ from typing import Any
 import numba
 import numpy as np
 
-from padstudio.pad.coding.generate import FieldSearchError, FieldSpec, generate_field
+from padstudio.pad.coding.generate import (
+    FieldSearchError,
+    FieldSpec,
+    PadSpec,
+    generate_field,
+    generate_pad,
+)
 from padstudio.pad.coding.search.bounds import bounds
 from padstudio.pad.coding.verify import verify_field
 from padstudio.pad.coding.window_index import WindowIndex
@@ -46,6 +53,14 @@ QUICK: list[tuple[dict[str, Any], int, float]] = [
     ({"window": 6, "distance": 1}, 500, 5),
     ({"window": 7, "levels": 9, "distance": 1}, 500, 5),
     ({"window": 8, "levels": 16, "distance": 1}, 500, 5),
+]
+PADS: list[tuple[dict[str, Any], int]] = [
+    ({"distance": 3}, 125),
+    ({"distance": 2}, 250),
+    ({"distance": 1}, 1000),
+    ({"window": 6, "distance": 3}, 250),
+    ({"window": 4, "levels": 3, "distance": 2}, 125),
+    (PLAIN, 1000),
 ]
 LONG: list[tuple[dict[str, Any], int, float]] = [
     ({"distance": 1}, 1900, 60),
@@ -78,6 +93,17 @@ def measure(kind: dict[str, Any], side: int, budget_s: float) -> dict[str, Any]:
         "elapsed_s": time.perf_counter() - start,
         "cpu_s": time.process_time() - start_cpu,
     }
+
+
+def measure_pads(kind: dict[str, Any], side: int, rounds: int = 5) -> dict[str, Any]:
+    """Least CPU time of a pad with either kind of layers."""
+    least = {"independent": float("inf"), "paper": float("inf")}
+    for _ in range(rounds):
+        for layers in least:
+            start = time.process_time()
+            generate_pad(PadSpec(rows=side, cols=side, layers=layers, **kind))
+            least[layers] = min(least[layers], time.process_time() - start)
+    return {"kind": kind, "side": side, **{f"{key}_s": value for key, value in least.items()}}
 
 
 def measure_index(side: int) -> dict[str, Any]:
@@ -148,6 +174,9 @@ def main() -> int:
     report["index"] = [measure_index(side) for side in (125, 1000, 4000)]
     for row in report["index"]:
         print("index    ", *(f"{k} {v:.3g}" for k, v in row.items()))
+    report["pads"] = [measure_pads(*case) for case in PADS]
+    for row in report["pads"]:
+        print("pads     ", *(f"{k} {v}" if k == "kind" else f"{k} {v:.3g}" for k, v in row.items()))
     report["verifier"] = [measure_verifier(*case) for case in ((125, 4), (1000, 1), (1850, 0))]
     for row in report["verifier"]:
         print("verifier ", *(f"{k} {v:.3g}" for k, v in row.items()))

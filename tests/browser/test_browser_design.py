@@ -110,6 +110,28 @@ def test_a_saved_pad_opens_again_and_can_be_deleted(open_page: Callable[..., Pag
     expect(item).to_have_count(0)
 
 
+def test_the_layers_codes_are_chosen_and_told(open_page: Callable[..., Page]) -> None:
+    page = open_page(SMALL)
+    facts = page.locator("#verification [data-ref=facts]")
+    warning = page.locator("#verification [data-ref=warning]")
+    expect(facts).to_contain_text("independent")
+    expect(warning).to_be_empty()
+    page.get_by_label("Codes of the layers").select_option("paper")
+    expect(warning).to_contain_text("reads as another height")
+    expect(facts).to_contain_text("one copies the other's corner")
+    expect(page).to_have_url(re.compile(r"layers=paper"))
+
+
+def test_a_pad_made_before_shows_that_its_layers_share_a_code(
+    open_page: Callable[..., Page],
+) -> None:
+    page = open_page("/design")
+    page.get_by_label("Import a pad file").set_input_files(PAD_FILE)
+    expect(page.get_by_label("Codes of the layers")).to_have_value("paper")
+    expect(page.locator("#verification [data-ref=warning]")).to_contain_text("share a code")
+    expect(page.locator("#verification [data-ref=facts]")).to_contain_text("441 windows in both")
+
+
 def test_import_and_every_download(open_page: Callable[..., Page], tmp_path: Path) -> None:
     page = open_page("/design")
     page.get_by_label("Import a pad file").set_input_files(PAD_FILE)

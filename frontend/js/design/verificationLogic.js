@@ -67,11 +67,10 @@ const isShared = (pair) => pair.relation === "shared";
 /** @param {LayersApart} pair @returns {string} */
 function apartInWords(pair) {
   if (isShared(pair)) {
-    const windows = `${number(pair.shared)} windows occur in both`;
-    return pair.is_corner ? `share a code, one a copy of the other's corner: ${windows}` : `share a code: ${windows}`;
+    return `${number(pair.shared)} windows in both${pair.is_corner ? ": one copies the other's corner" : ""}`;
   }
   const word = pair.relation === "independent" ? "independent" : "nearer than windows of one layer";
-  return `${word}, ≥ ${pair.min_distance} in all rotations`;
+  return `${word}, ≥\u00a0${pair.min_distance}`;
 }
 
 /** @param {Verification | OtherLayer} check */

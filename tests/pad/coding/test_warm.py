@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from padstudio.pad.coding import verify_kernel, warm
-from padstudio.pad.coding.search import beam_search, board, growth, row_search
+from padstudio.pad.coding.search import beam_search, beside, board, growth, hash_chains, row_search
 
 
 def test_warming_compiles_every_loop() -> None:
@@ -15,6 +15,8 @@ def test_warming_compiles_every_loop() -> None:
         board.take_symmetric,
         beam_search.openness,
         growth.grow,
+        beside._take_all,
+        hash_chains._place_all,
         verify_kernel.compare_runs,
     ]
     assert [f.__name__ for f in entered if not f.dispatcher.signatures] == []

@@ -8,7 +8,8 @@ from padstudio.pad.coding.search.spec import FieldSpec, Watch
 
 
 def warm_up() -> None:
-    """Generate and prove small fields by rows, by a beam and by growth at random."""
-    generate_field(FieldSpec(rows=12, cols=12))
+    """Generate and prove small fields, also beside others, by rows, by a beam and by growth."""
+    other = generate_field(FieldSpec(rows=12, cols=12))
+    generate_field(FieldSpec(rows=12, cols=12, seed=2), beside=(other,))
     beam_field(FieldSpec(rows=6, cols=6, window=3, distance=1), Watch(60), 1, 1)
-    generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1))
+    generate_field(FieldSpec(rows=12, cols=12, method="growth", distance=1), beside=(other,))

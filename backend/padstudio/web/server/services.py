@@ -24,7 +24,7 @@ from padstudio.workers.pool import WorkerPool
 ResultT = TypeVar("ResultT")
 Analyze = Callable[[detection.Job], dict[str, Any]]
 
-_SMALL_PAD = {"rows": 10, "cols": 10, "ratio": 1}
+_SMALL_PAD = {"rows": 12, "cols": 12, "ratio": 2}
 
 
 @dataclass(frozen=True)
