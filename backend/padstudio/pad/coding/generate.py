@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +85,7 @@ def generate_field(
     (12, 9)
     """
     check_possible(spec)
+    _load_loops(uses_table(spec))
     return _generate(spec, Watch(budget_s, progress, cancel), beside)
 
 
@@ -126,6 +129,7 @@ def generate_pad(
     """
     spec = spec or PadSpec()
     check_possible(spec)
+    _load_loops(uses_table(spec))
     watch = Watch(budget_s, progress, cancel)
     try:
         red, blue = _fields(spec, watch)
@@ -187,6 +191,17 @@ def _fields(spec: PadSpec, watch: Watch) -> tuple[NDArray[np.uint8], NDArray[np.
         return red, _generate(spec.blue_field(), watch.unseen(), (red,))
     blue = _generate(spec.blue_field(), watch.unseen(), ())
     return _generate(spec, watch, (blue,)), blue
+
+
+@cache
+def _load_loops(table: bool) -> None:
+    """Load a search's loops, or compile them, before its time begins: that may take a minute."""
+    small = FieldSpec(rows=6, cols=6, window=3, distance=1)
+    beside, watch = (np.zeros((3, 3), np.uint8),), Watch(np.inf)
+    if table:
+        search_field(small, watch, beside)
+    else:
+        grow_field(replace(small, method="growth"), watch, beside)
 
 
 def _search(spec: FieldSpec, watch: Watch, beside: Fields) -> NDArray[np.uint8]:
