@@ -41,6 +41,7 @@ ORDER = (
     "vision/cells",
     "vision/search",
     "vision/pose",
+    "vision/bend",
     "vision/outline",
     "vision/dense",
     "vision/baseline",

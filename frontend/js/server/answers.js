@@ -133,6 +133,7 @@
  * @property {number} [cells_wrong]
  * @property {number} [log10_false_alarm]
  * @property {number} [reprojection_px]
+ * @property {number | null} [flatness_mm]
  * @property {[number, number, number] | null} [position_sigma_mm]
  * @property {[number, number, number] | null} [attitude_sigma_deg]
  * @property {number} [range_mm]  from the camera to the pad's centre

@@ -164,6 +164,7 @@ export function evidenceFacts(record) {
   facts.push(["Cells read", number(record.cells_read ?? 0)]);
   facts.push(["Cells that differ", number(record.cells_wrong ?? 0)]);
   facts.push(["Reprojection", `${number(record.reprojection_px ?? 0, 3)} px`]);
+  if (typeof record.flatness_mm === "number") facts.push(["Paper bent by", `${number(record.flatness_mm, 1)} mm`]);
   if (record.log10_false_alarm) {
     facts.push(["Chance of a false match", `below ${powerOfTen(Math.ceil(record.log10_false_alarm))}`]);
   }

@@ -75,6 +75,8 @@ export const tests = {
     const facts = Object.fromEntries(evidenceFacts(RECORD));
     equal(facts["Chance of a false match"], "below 10⁻³⁰⁰");
     equal([facts["Cells read"], facts["Cells that differ"], facts.Time], ["5120", "3", "1.23 s"]);
+    equal("Paper bent by" in facts, false);
+    equal(Object.fromEntries(evidenceFacts({ ...RECORD, flatness_mm: 6.04 }))["Paper bent by"], "6.0 mm");
   },
   "the verdict names the layer, or the stage and the reason": () => {
     equal(verdict(RECORD), "Pose found from the red layer");

@@ -66,6 +66,7 @@ def of_refined(refined: RefinedPose, choice: Choice) -> Detection:
         ambiguity=_ambiguity(refined),
         shift_mm=fit.pose.shift_mm,
         turn_rad=fit.pose.rotvec,
+        flatness_mm=refined.flatness_mm,
     )
 
 

@@ -27,6 +27,7 @@ import numpy as np
 from padstudio.arrays import Image, YuvFrame
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel, Pad
+from padstudio.vision.bend.bent_sheet import flattened
 from padstudio.vision.cells.correlation import LayerIndex
 from padstudio.vision.cells.evidence import Evidence
 from padstudio.vision.cells.layer_read import LayerRead
@@ -212,6 +213,7 @@ class Dense:
                 return Detection(None, settled), reads
             if settled is not refined:
                 return self._judge(refiner, settled, recorder)
+            refined = recorder.run("pose", None, flattened, refiner, refined)
         return of_refined(refined, choice), reads
 
     def _is_sure(self, refiner: Refiner, evidence: Evidence) -> bool:

@@ -16,7 +16,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.layer_read import LayerRead, read_layer
-from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.frame.pyramid import Pyramid, Window
 from padstudio.vision.pose.edge_points import (
     LEAST_BORDERS,
     EdgePoints,
@@ -236,10 +236,13 @@ class Refiner:
     def _edge_points(
         self, layer: Layer, borders: Borders, pose: MovingPose, cell_px: float, *, sharper: int
     ) -> EdgePoints:
-        level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
-        level = max(0, level - sharper)
-        window = self.pyramid.window(layer.channel, level)
+        window = self.window(layer, cell_px, sharper=sharper)
         return find_edge_points(borders, window, self.camera, pose, self.params.refine.reach_px)
+
+    def window(self, layer: Layer, cell_px: float, *, sharper: int) -> Window:
+        """The part of the pyramid in which cells so wide are measured, or ``sharper`` levels up."""
+        level = math.floor(math.log2(max(cell_px / _CELL_PX, 1.0)))
+        return self.pyramid.window(layer.channel, max(0, level - sharper))
 
 
 def most_residual_px(cell_px: float, params: RefineParams) -> float:

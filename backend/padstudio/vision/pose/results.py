@@ -33,6 +33,8 @@ class RefinedPose:
         Median width of a cell of the layer, frame pixels.
     read : LayerRead
         The layer's cells.
+    flatness_mm : float or None
+        Peak to valley of a bent sheet's heights in view; None where it lies flat.
     """
 
     fit: Fit
@@ -42,6 +44,7 @@ class RefinedPose:
     camera: Camera
     cell_px: float
     read: LayerRead
+    flatness_mm: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,6 +116,9 @@ class Detection:
     shift_mm, turn_rad : (3,) float64 or None
         Change of the camera's centre (pad frame) and attitude (rotation vector, camera frame)
         while a rolling shutter read the frame, from its first row to its last.
+    flatness_mm : float or None
+        Peak to valley of a bent sheet's heights in view, over the plane that fits it best, to which
+        the pose is relative; None where no bend shows.
     elapsed_ms : mapping
         Milliseconds per stage (summed over channels) and ``total``.
     trace : Trace or None
@@ -134,6 +137,7 @@ class Detection:
     ambiguity: float = 0.0
     shift_mm: Array | None = None
     turn_rad: Array | None = None
+    flatness_mm: float | None = None
     elapsed_ms: Mapping[str, float] = field(default_factory=dict)
     trace: Trace | None = None
 
@@ -204,6 +208,7 @@ class Detection:
             "log10_false_alarm": round(self.log10_false_alarm, 2),
             "reprojection_px": self.reprojection_px,
             "ambiguity": self.ambiguity,
+            "flatness_mm": self.flatness_mm,
             **uncertainty_fields(sigma),
             "quality": self.quality,
         }

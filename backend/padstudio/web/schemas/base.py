@@ -100,6 +100,7 @@ DETECTION_EXAMPLE: dict[str, Any] = {
         "cells_wrong": 14,
         "log10_false_alarm": -300.0,
         "reprojection_px": 0.21,
+        "flatness_mm": None,
         "position_sigma_mm": [0.3, 0.3, 0.2],
         "attitude_sigma_deg": [0.01, 0.01, 0.002],
         "range_mm": 1305.2,

@@ -1,0 +1,1 @@
+"""Paper that is not flat: its heights, found together with the pose."""

@@ -1,0 +1,195 @@
+"""Least squares of a pose and a sheet's heights together.
+
+A point that moves does to its own residual what a camera that moves the other way does to all; so
+the columns of a sheet's coefficients are those of the camera's centre, times how the coefficients
+move each point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from padstudio.arrays import Array
+from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
+from padstudio.geometry.rolling_shutter import MovingPose, row_times
+from padstudio.vision.bend.sheet import Sheet
+from padstudio.vision.bend.smooth_field import Cosines, find_evidence, solve
+from padstudio.vision.pose import least_squares_kernel
+from padstudio.vision.pose.covariance import TILES, newton_share, tiles_of
+from padstudio.vision.pose.edge_points import EdgePoints
+from padstudio.vision.pose.least_squares import MotionModel, MotionPrior
+from padstudio.vision.pose.least_squares_kernel import Sightings
+
+# Lengths of bends that are tried, as a share of the pad's longer side.
+_LENGTHS = (0.08, 0.13, 0.2, 0.32, 0.5)
+# Bends shorter than this share of what is in view would need too many cosines.
+_SHORTEST = 1 / 11
+# What bends are taken for to begin with, mm.
+_FIRST_AMPLITUDE_MM = 3.0
+# No picture is measured better than this.
+_LEAST_SIGMA_PX = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class BentFit:
+    """A pose and a sheet.
+
+    Attributes
+    ----------
+    pose : MovingPose
+        Still, relative to the plane about which heights are expected.
+    sheet : Sheet
+    amplitude_mm : float
+        Expected standard deviation of heights about that plane.
+    """
+
+    pose: MovingPose
+    sheet: Sheet
+    amplitude_mm: float
+
+
+class Equations(NamedTuple):
+    """Residuals of borders about a pose and a sheet, and how they change with both.
+
+    Attributes
+    ----------
+    residual : (N,) float64
+        Pixels.
+    columns : (N, 6 + K) float64
+        With centre and attitude of the camera, and the coefficients of the sheet.
+    sigma : float
+        Robust standard deviation of the residuals.
+    trust : (N,) float64
+        Their inverse variances.
+    moves : (N, 3) float64
+        Pixels a mm by which the border itself moves along the pad's x, y and z.
+    """
+
+    residual: Array
+    columns: Array
+    sigma: float
+    trust: Array
+    moves: Array
+
+    @classmethod
+    def of(cls, edge_points: EdgePoints, camera: Camera, fit: BentFit) -> Equations:
+        """The equations at a fit."""
+        rows, weight = linearized(edge_points, camera, fit.pose, fit.sheet)
+        residual = rows[:, 0].copy()
+        sigma = max(least_squares_kernel.scatter(residual, weight), _LEAST_SIGMA_PX)
+        trust = least_squares_kernel.trust_of(residual, weight, sigma)
+        # A border that moves is seen where a camera that moves the other way would see it.
+        moves = -rows[:, 1:4]
+        heights = sheet_columns(moves, fit.sheet, fit.sheet.cosines, edge_points)
+        return cls(residual, np.hstack([rows[:, 1:7], heights]), sigma, trust, moves)
+
+    def normal(self, columns: Array) -> tuple[Array, Array]:
+        """Normal matrix of some columns, and what makes right sides of residuals."""
+        weighted = columns * self.trust[:, None]
+        return weighted.T @ columns, weighted.T
+
+
+def sheet_columns(moves: Array, sheet: Sheet, cosines: Cosines, edge_points: EdgePoints) -> Array:
+    """Change of residuals (N, K) with coefficients that are added to a sheet."""
+    changes = sheet.changes(cosines, edge_points.borders.points_mm)
+    return sum((moves[:, axis, None] * changes[axis] for axis in range(3)), np.zeros(1))
+
+
+def linearized(
+    edge_points: EdgePoints, camera: Camera, pose: MovingPose, sheet: Sheet | None
+) -> tuple[Array, Array]:
+    """Residuals (px) and their changes, (N, 7), as of `least_squares_kernel.linearize`; weights."""
+    borders, xy, weight = edge_points.borders, edge_points.xy, edge_points.weight
+    points = borders.points_mm if sheet is None else sheet.laid(borders.points_mm)
+    times = row_times(camera, xy[:, 1])
+    seen = Sightings(points, borders.along_mm, camera.normalize(xy), times, weight)
+    return least_squares_kernel.linearize(seen, pose.state) * camera.focal_px, weight
+
+
+def fit_bent(edge_points: EdgePoints, camera: Camera, start: BentFit, iterations: int) -> BentFit:
+    """Gauss–Newton from a start, with the start's expectation of heights."""
+    fit = start
+    for _ in range(iterations):
+        equations = Equations.of(edge_points, camera, fit)
+        normal, weigh = equations.normal(equations.columns)
+        expected = start.amplitude_mm**2 * fit.sheet.cosines.variance
+        normal[np.diag_indices_from(normal)] += np.concatenate([np.zeros(6), 1 / expected])
+        about_flat = equations.residual + equations.columns[:, 6:] @ fit.sheet.coefficients
+        step = solve(normal, weigh @ about_flat)
+        sheet = Sheet(fit.sheet.cosines, step[6:], fit.sheet.box)
+        fit = BentFit(fit.pose.moved(step[:6]), sheet, start.amplitude_mm)
+    return fit
+
+
+def first_bent(
+    edge_points: EdgePoints, camera: Camera, pose: Pose, pad_mm: float
+) -> tuple[BentFit, float]:
+    """The best fit of all lengths of bends, and the log odds of its sheet against a flat one.
+
+    The shortest bends are fitted first, as they can take any form; all lengths are then compared
+    by their evidence about that sheet.
+    """
+    points = edge_points.borders.points_mm[:, :2]
+    box = np.stack([points.min(axis=0), points.max(axis=0)])
+    least = _SHORTEST * float((box[1] - box[0]).max())
+    lengths = [share * pad_mm for share in _LENGTHS if share * pad_mm >= least]
+    lengths = lengths or [_LENGTHS[-1] * pad_mm]
+    sheet = Sheet.flat(Cosines.over(box, lengths[0]), box)
+    fit = fit_bent(edge_points, camera, BentFit(MovingPose(pose), sheet, _FIRST_AMPLITUDE_MM), 3)
+    equations = Equations.of(edge_points, camera, fit)
+    heights = equations.columns[:, 6:] @ fit.sheet.coefficients
+    found: list[tuple[float, BentFit]] = []
+    for length_mm in lengths:
+        cosines = Cosines.over(box, length_mm)
+        rises = sheet_columns(equations.moves, fit.sheet, cosines, edge_points)
+        normal, weigh = equations.normal(np.hstack([equations.columns[:, :6], rises]))
+        right = weigh @ (equations.residual + heights)
+        evidence = find_evidence(normal, right, cosines.variance)
+        flat = Sheet.flat(cosines, box)
+        found.append((evidence.log_odds, BentFit(fit.pose, flat, evidence.amplitude_mm)))
+    log_odds, best = max(found, key=lambda item: item[0])
+    return fit_bent(edge_points, camera, best, 2), log_odds
+
+
+def amplitude_of(edge_points: EdgePoints, camera: Camera, fit: BentFit) -> float:
+    """The amplitude that residuals about a fit ask for, mm."""
+    equations = Equations.of(edge_points, camera, fit)
+    normal, weigh = equations.normal(equations.columns)
+    heights = equations.columns[:, 6:] @ fit.sheet.coefficients
+    right = weigh @ (equations.residual + heights)
+    return find_evidence(normal, right, fit.sheet.cosines.variance).amplitude_mm
+
+
+def bent_covariance(
+    edge_points: EdgePoints, camera: Camera, fit: BentFit, *, rolling: bool
+) -> Array:
+    """Covariance (6, 6) of the pose, whatever the sheet's heights are.
+
+    Heights are eliminated from the normal equations and from the scores of tiles (Schur's
+    complement); what is expected of them enters as something not measured. As constant and sloping
+    heights are among them, this is the pose relative to the plane about which heights are expected,
+    also where only a part of the sheet is in view.
+    """
+    equations = Equations.of(edge_points, camera, fit)
+    times = row_times(camera, edge_points.xy[:, 1])[:, None]
+    pose_columns = equations.columns[:, :6]
+    columns = np.hstack([pose_columns, pose_columns * times, equations.columns[:, 6:]])
+    normal, _ = equations.normal(columns)
+    scores = np.zeros((TILES**2, columns.shape[1]))
+    tiles = tiles_of(edge_points.xy)
+    np.add.at(scores, tiles, columns * (equations.trust * equations.residual)[:, None])
+    robust = equations.trust * equations.sigma**2 / np.maximum(edge_points.weight, 1e-12)
+    normal *= newton_share(robust, edge_points.weight)
+    expected = 1 / (fit.amplitude_mm**2 * fit.sheet.cosines.variance)
+    across = solve(normal[12:, 12:] + np.diag(expected), normal[12:, :12])
+    normal, scores = (
+        normal[:12, :12] - normal[:12, 12:] @ across,
+        scores[:, :12] - scores[:, 12:] @ across,
+    )
+    prior = MotionPrior.of(fit.pose, MotionModel(moving=False, rolling=rolling))
+    spread = solve(normal[:6, :6], across[:, :6].T * np.sqrt(expected))
+    return np.asarray(prior.covariance(normal, scores[:, :6]) + spread @ spread.T)
