@@ -1,5 +1,6 @@
 """A pose and a sheet's heights found together, from borders of a sheet that is known."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -19,6 +20,7 @@ from padstudio.vision.bend.bent_fit import (
 from padstudio.vision.bend.sheet import Sheet
 from padstudio.vision.bend.smooth_field import Cosines
 from padstudio.vision.pose.edge_points import EdgePoints, visible_borders
+from padstudio.vision.pose.row_motion import MotionBounds
 
 CAMERA = Camera(1360, 765, np.array([[1000.0, 0, 679.5], [0, 1000.0, 382.0], [0, 0, 1]]))
 PAD = sample_pad()
@@ -37,7 +39,7 @@ def seen(seed=0, amplitude_mm=4.0):
     sheet = Sheet(cosines, drawn, box)
     xy = MovingPose(TRUE).project(CAMERA, sheet.laid(borders.points_mm))
     xy += NOISE_PX * rng.normal(size=xy.shape)
-    return EdgePoints(borders, xy, np.ones(len(xy))), sheet
+    return EdgePoints(borders, xy, np.ones(len(xy)), np.zeros(len(xy))), sheet
 
 
 def best_fit(fit, points_mm):
@@ -61,10 +63,12 @@ def test_the_covariance_holds_the_plane_about_which_heights_are_expected():
         edge_points, sheet = seen(seed)
         start = BentFit(MovingPose(TRUE), Sheet.flat(sheet.cosines, sheet.box), 4.0)
         fit = fit_bent(edge_points, CAMERA, start, 4)
-        covariance = bent_covariance(edge_points, CAMERA, fit, rolling=False)
+        bounds = replace(MotionBounds.unknown(900.0, 0.01, None, rolling=False), at_rest=True)
+        covariance = bent_covariance(edge_points, CAMERA, fit, bounds)
         error = fit.pose.step_to(MovingPose(TRUE))
         squares.append(error @ np.linalg.solve(covariance, error) / 6)
-    assert 0.5 < np.mean(squares) < 1.6
+    # It holds what lens and sensor leave over, too, which is not drawn here.
+    assert 0.3 < np.mean(squares) < 1.6
 
 
 def test_the_amplitude_is_that_of_the_sheet():

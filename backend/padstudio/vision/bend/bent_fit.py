@@ -19,10 +19,11 @@ from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.vision.bend.sheet import Sheet
 from padstudio.vision.bend.smooth_field import Cosines, find_evidence, solve
 from padstudio.vision.pose import least_squares_kernel
-from padstudio.vision.pose.covariance import TILES, newton_share, tiles_of
+from padstudio.vision.pose.covariance import newton_share
 from padstudio.vision.pose.edge_points import EdgePoints
-from padstudio.vision.pose.least_squares import MotionModel, MotionPrior
-from padstudio.vision.pose.least_squares_kernel import Sightings
+from padstudio.vision.pose.least_squares_kernel import Sightings, Solution
+from padstudio.vision.pose.pose_posterior import explain_edges
+from padstudio.vision.pose.row_motion import MotionBounds
 
 # Lengths of bends that are tried, as a share of the pad's longer side.
 _LENGTHS = (0.08, 0.13, 0.2, 0.32, 0.5)
@@ -78,10 +79,10 @@ class Equations(NamedTuple):
     @classmethod
     def of(cls, edge_points: EdgePoints, camera: Camera, fit: BentFit) -> Equations:
         """The equations at a fit."""
-        rows, weight = linearized(edge_points, camera, fit.pose, fit.sheet)
+        rows, seen = linearized(edge_points, camera, fit.pose, fit.sheet)
         residual = rows[:, 0].copy()
-        sigma = max(least_squares_kernel.scatter(residual, weight), _LEAST_SIGMA_PX)
-        trust = least_squares_kernel.trust_of(residual, weight, sigma)
+        sigma = max(least_squares_kernel.scatter(residual, seen.weight), _LEAST_SIGMA_PX)
+        trust = least_squares_kernel.trust_of(residual, seen.weight, sigma)
         # A border that moves is seen where a camera that moves the other way would see it.
         moves = -rows[:, 1:4]
         heights = sheet_columns(moves, fit.sheet, fit.sheet.cosines, edge_points)
@@ -101,13 +102,14 @@ def sheet_columns(moves: Array, sheet: Sheet, cosines: Cosines, edge_points: Edg
 
 def linearized(
     edge_points: EdgePoints, camera: Camera, pose: MovingPose, sheet: Sheet | None
-) -> tuple[Array, Array]:
-    """Residuals (px) and their changes, (N, 7), as of `least_squares_kernel.linearize`; weights."""
-    borders, xy, weight = edge_points.borders, edge_points.xy, edge_points.weight
+) -> tuple[Array, Sightings]:
+    """Residuals (px) and their changes, (N, 7), as of `least_squares_kernel.linearize`; and of
+    what."""
+    borders, xy, rays = edge_points.borders, edge_points.xy, camera.normalize(edge_points.xy)
+    weight = edge_points.weight * camera.sharpness(xy, rays) ** 2
     points = borders.points_mm if sheet is None else sheet.laid(borders.points_mm)
-    times = row_times(camera, xy[:, 1])
-    seen = Sightings(points, borders.along_mm, camera.normalize(xy), times, weight)
-    return least_squares_kernel.linearize(seen, pose.state) * camera.focal_px, weight
+    seen = Sightings(points, borders.along_mm, rays, row_times(camera, xy[:, 1]), weight)
+    return least_squares_kernel.linearize(seen, pose.state) * camera.focal_px, seen
 
 
 def fit_bent(edge_points: EdgePoints, camera: Camera, start: BentFit, iterations: int) -> BentFit:
@@ -165,31 +167,25 @@ def amplitude_of(edge_points: EdgePoints, camera: Camera, fit: BentFit) -> float
 
 
 def bent_covariance(
-    edge_points: EdgePoints, camera: Camera, fit: BentFit, *, rolling: bool
+    edge_points: EdgePoints, camera: Camera, fit: BentFit, bounds: MotionBounds
 ) -> Array:
     """Covariance (6, 6) of the pose, whatever the sheet's heights are.
 
-    Heights are eliminated from the normal equations and from the scores of tiles (Schur's
-    complement); what is expected of them enters as something not measured. As constant and sloping
-    heights are among them, this is the pose relative to the plane about which heights are expected,
-    also where only a part of the sheet is in view.
+    That of a pose on a sheet that is known, of which the residuals tell noise and motion, and what
+    it means that the sheet is not known: heights are eliminated from the normal equations (Schur's
+    complement), and what is expected of them enters as something not measured. As constant and
+    sloping heights are among them, this is the pose relative to the plane about which heights are
+    expected, also where only a part of the sheet is in view.
     """
+    rows, seen = linearized(edge_points, camera, fit.pose, fit.sheet)
     equations = Equations.of(edge_points, camera, fit)
-    times = row_times(camera, edge_points.xy[:, 1])[:, None]
-    pose_columns = equations.columns[:, :6]
-    columns = np.hstack([pose_columns, pose_columns * times, equations.columns[:, 6:]])
-    normal, _ = equations.normal(columns)
-    scores = np.zeros((TILES**2, columns.shape[1]))
-    tiles = tiles_of(edge_points.xy)
-    np.add.at(scores, tiles, columns * (equations.trust * equations.residual)[:, None])
-    robust = equations.trust * equations.sigma**2 / np.maximum(edge_points.weight, 1e-12)
-    normal *= newton_share(robust, edge_points.weight)
+    solution = Solution(True, fit.pose.state, rows, equations.sigma)
+    known = explain_edges(fit.pose, edge_points, (solution, seen), camera, bounds)[1]
+    robust = equations.trust * equations.sigma**2 / np.maximum(seen.weight, 1e-12)
+    normal = equations.normal(equations.columns)[0] * newton_share(robust, seen.weight)
     expected = 1 / (fit.amplitude_mm**2 * fit.sheet.cosines.variance)
-    across = solve(normal[12:, 12:] + np.diag(expected), normal[12:, :12])
-    normal, scores = (
-        normal[:12, :12] - normal[:12, 12:] @ across,
-        scores[:, :12] - scores[:, 12:] @ across,
-    )
-    prior = MotionPrior.of(fit.pose, MotionModel(moving=False, rolling=rolling))
-    spread = solve(normal[:6, :6], across[:, :6].T * np.sqrt(expected))
-    return np.asarray(prior.covariance(normal, scores[:, :6]) + spread @ spread.T)
+    across = solve(normal[6:, 6:] + np.diag(expected), normal[6:, :6])
+    inner = normal[:6, :6] - normal[:6, 6:] @ across
+    spread = solve(inner, across.T * np.sqrt(expected))
+    unknown = solve(inner, np.eye(6)) - solve(normal[:6, :6], np.eye(6)) + spread @ spread.T
+    return np.asarray(known + (unknown + unknown.T) / 2)

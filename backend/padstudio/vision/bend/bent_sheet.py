@@ -31,7 +31,7 @@ from padstudio.vision.bend.bent_fit import (
 )
 from padstudio.vision.pose import edge_points_kernel, least_squares_kernel
 from padstudio.vision.pose.edge_points import EdgePoints
-from padstudio.vision.pose.least_squares import Fit
+from padstudio.vision.pose.least_squares import Fit, bounds_of
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
 
@@ -61,8 +61,8 @@ def flattened(refiner: Refiner, refined: RefinedPose) -> RefinedPose:
     edge_points, camera = refined.edge_points, refined.camera
     if edge_points is None or len(edge_points.xy) < _LEAST:
         return refined
-    rows, weight = linearized(edge_points, camera, refined.fit.pose, None)
-    before = common_px(rows[:, 0].copy(), -rows[:, 3], weight)
+    rows, seen = linearized(edge_points, camera, refined.fit.pose, None)
+    before = common_px(rows[:, 0].copy(), -rows[:, 3], seen.weight)
     if not (before.deviations > _SURE and before.px > _LEAST_COMMON_PX):
         return refined
     pose, pad_mm = refined.fit.pose.pose, max(refiner.pad.size_mm)
@@ -125,10 +125,10 @@ def _measured(refiner: Refiner, refined: RefinedPose, fit: BentFit) -> EdgePoint
     window = refiner.window(refined.layer, refined.cell_px, sharper=1)
     laid = borders._replace(points_mm=fit.sheet.laid(borders.points_mm))
     projector = fit.pose.projector(refined.camera)
-    which, xy, weight = edge_points_kernel.find_borders(
+    which, xy, weight, blur_px2 = edge_points_kernel.find_borders(
         laid, projector, window, refiner.params.refine.reach_px
     )
-    return EdgePoints(borders.take(which), xy, weight)
+    return EdgePoints(borders.take(which), xy, weight, blur_px2, window.pixel)
 
 
 def _answer(
@@ -140,14 +140,13 @@ def _answer(
     trust = edge_points.weight[inliers]
     rms = float(np.sqrt((trust * equations.residual[inliers] ** 2).sum() / trust.sum()))
     pose = MovingPose(sheet.relative(fit.pose.pose, points))
-    rolling = refiner.params.refine.motion
+    bounds = bounds_of(fit.pose, refiner.model(moving=False), edge_points.pixel)
 
-    def find_covariance() -> Array:
-        return bent_covariance(edge_points, camera, fit, rolling=rolling)
+    def explain() -> tuple[MovingPose, Array]:
+        return pose, bent_covariance(edge_points, camera, fit, bounds)
 
     # Heights about the expected plane need not be level where only some of the sheet is seen.
-    doubt = fit.pose.step_to(pose)
-    answer = Fit(pose, rms, inliers, find_covariance, doubt)
+    answer = Fit(pose, rms, inliers, explain, doubt=fit.pose.step_to(pose))
     return replace(
         refined, fit=answer, edge_points=edge_points, flatness_mm=sheet.flatness_mm(points)
     )
