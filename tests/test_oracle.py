@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracle import best_reading
-from reality_classes import CAMERAS, CLASSES, pads, plain_shot
+from reality_classes import CLASSES
+from reality_shots import CAMERAS, pads, plain_shot
 
 from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.motion import Motion

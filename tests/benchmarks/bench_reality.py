@@ -29,7 +29,8 @@ import score
 from bench_covariance import normalized_error, plain
 from numpy.typing import NDArray
 from oracle import Reading, best_reading, reading_at
-from reality_classes import CAMERAS, CLASSES, USUAL, pads, plain_shot
+from reality_classes import CLASSES
+from reality_shots import CAMERAS, USUAL, pads, plain_shot
 
 from padstudio import Camera, Detector, Pad
 from padstudio.geometry.pose import Pose

@@ -22,7 +22,7 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.lay.fit import laid
 from padstudio.simulate.motion import poses_at
-from padstudio.simulate.radiance.lens import pixels_of_points
+from padstudio.simulate.radiance.lens import in_picture, pixels_of_points
 from padstudio.simulate.radiance.sheet import half_sides_mm
 from padstudio.simulate.render import Truth
 from padstudio.vision.cells.evidence import Evidence, judge
@@ -77,7 +77,7 @@ def _seen(truth: Truth, points: Array) -> Array:
         there = np.column_stack([points, np.zeros(len(points))])
     else:
         there = laid(scene.lay, half_sides_mm(scene), points)
-    pixels = pixels_of_points(camera, truth.pose.to_camera(there))
+    pixels = _visible(camera, truth.pose.to_camera(there))
     readout_s = truth.imaging.readout_ms / 1000.0
     if truth.motion.still or not readout_s:
         return pixels
@@ -86,8 +86,14 @@ def _seen(truth: Truth, points: Array) -> Array:
         times = np.clip((rows - (camera.height - 1) / 2) / camera.height, -0.5, 0.5) * readout_s
         rotations, positions = poses_at(truth.pose, truth.motion, times)
         turned = np.einsum("nij,ni->nj", rotations, there - positions)
-        pixels = pixels_of_points(camera, turned)
+        pixels = _visible(camera, turned)
     return pixels
+
+
+def _visible(camera: Camera, points: Array) -> Array:
+    """Pixels (N, 2) of points of the camera frame; NaN out of the picture."""
+    shown = in_picture(camera, points)
+    return np.where(shown[:, None], pixels_of_points(camera, points), np.nan)
 
 
 def reading_at(image: NDArray[np.uint8], pad: Pad, camera: Camera, poses: list[Pose]) -> Reading:
@@ -97,7 +103,7 @@ def reading_at(image: NDArray[np.uint8], pad: Pad, camera: Camera, poses: list[P
 
         def project(points: Array, pose: Pose = pose) -> Array:
             there = np.column_stack([points, np.zeros(len(points))])
-            return pixels_of_points(camera, pose.to_camera(there))
+            return _visible(camera, pose.to_camera(there))
 
         found.append(_together(image, pad, project))
     return min(found, key=lambda reading: reading.log10_chance)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from reality_shots import Change, Picture, RealityClass, Rng, Shot
 
-from padstudio import Camera, Pad
-from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.pad.spec import Layer
+from padstudio.geometry.pose import Pose
 from padstudio.simulate.lay.relief import Fold, Lift, Relief, Wave
 from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.looks import LOOKS, dress
@@ -18,132 +17,25 @@ from padstudio.simulate.radiance.fog import Fog
 from padstudio.simulate.radiance.inks import Inks
 from padstudio.simulate.radiance.litter import Litter, LitterKind
 from padstudio.simulate.radiance.scene import (
-    GROUND_KINDS,
     Light,
     Neighbour,
     Occluder,
-    Scene,
     Shadow,
 )
 from padstudio.simulate.response import RESPONSES
-from padstudio.simulate.sensor import Glare, Imaging
+from padstudio.simulate.sensor import Glare
 from padstudio.simulate.vibration import Vibration
 
-Rng = np.random.Generator
 
-
-@dataclass(frozen=True)
-class Shot:
-    """One frame to be taken.
-
-    Attributes
-    ----------
-    scene : Scene
-    pose : Pose
-    imaging, motion
-        As of `padstudio.simulate.render.render`.
-    camera : str
-        Of `CAMERAS`.
-    """
-
-    scene: Scene
-    pose: Pose
-    imaging: Imaging = field(default_factory=Imaging)
-    motion: Motion = field(default_factory=Motion)
-    camera: str = ""
-
-
-@dataclass(frozen=True)
-class RealityClass:
-    """A kind of frames.
-
-    Attributes
-    ----------
-    change : callable
-        Puts the disturbance on a plain shot; gets the pad's shorter side, mm.
-    heights : (low, high)
-        In shorter sides of the pad.
-    tilt_deg : float
-        At most.
-    after : callable or None
-        Changes the picture, so that any pose of it is false.
-    camera : str
-        The only one of `CAMERAS`; empty for the usual ones in turn.
-    """
-
-    change: Callable[[Rng, Shot, float], Shot]
-    heights: tuple[float, float] = (0.12, 1.5)
-    tilt_deg: float = 20.0
-    after: Callable[[np.ndarray], np.ndarray] | None = None
-    camera: str = ""
-
-
-def _camera(width: int, height: int, focal: float, bends: tuple[float, ...], **more) -> Camera:
-    matrix = np.array([[focal, 0, width / 2 - 0.5], [0, focal, height / 2 - 0.5], [0, 0, 1]])
-    return Camera(width, height, matrix, np.array(bends), **more)
-
-
-CAMERAS = {
-    "drone": _camera(1360, 765, 943.0, (0.01, -0.02, 0.0, 0.0, 0.0), name="drone"),
-    "vga": _camera(640, 480, 500.0, (-0.09, 0.03, 0.0, 0.0, 0.0), name="vga"),
-    "fisheye160": _camera(
-        1280, 960, 455.0, (-0.02, 0.006, -0.003, 0.0005), model="fisheye", name="fisheye160"
-    ),
-    "fisheye190": _camera(
-        1280, 960, 330.0, (0.02, -0.012, 0.004, -0.001), model="fisheye", name="fisheye190"
-    ),
-}
-USUAL = ("drone", "vga")
-
-
-def pads() -> dict[str, Pad]:
-    """One as the paper's, the coarse layer a copy of the fine one's corner; one quite another."""
-    rng = np.random.default_rng(20)
-    fine = rng.integers(0, 2, (125, 125)).astype(np.uint8)
-    paper = Pad((Layer("red", 10.0, fine), Layer("blue", 50.0, fine[:25, :25].copy())), window=5)
-    other = Pad(
-        (
-            Layer("red", 9.0, rng.integers(0, 3, (72, 96)).astype(np.uint8)),
-            Layer("blue", 27.0, rng.integers(0, 3, (24, 32)).astype(np.uint8)),
-        ),
-        window=4,
-        levels=3,
-    )
-    return {"paper": paper, "other": other}
-
-
-def plain_shot(rng: Rng, pad: Pad, kind: RealityClass, camera: str) -> Shot:
-    """A shot of a pad on any ground, from any side, before anything happens to it."""
-    side = min(pad.size_mm)
-    height = side * float(np.exp(rng.uniform(*np.log(kind.heights))))
-    # A third look at the top left, where a coarse layer that copies the fine one has its original.
-    corner = 0.5 - 0.5 / 3
-    middle = (-corner * pad.size_mm[0], corner * pad.size_mm[1]) if rng.random() < 1 / 3 else (0, 0)
-    reach = (0.1 if any(middle) else 0.3) * side
-    pose = look_at_pad(
-        height,
-        tilt_deg=float(rng.uniform(0, kind.tilt_deg)),
-        heading_deg=float(rng.uniform(0, 360)),
-        tilt_towards_deg=float(rng.uniform(0, 360)),
-        target_mm=(
-            middle[0] + float(rng.uniform(-reach, reach)),
-            middle[1] + float(rng.uniform(-reach, reach)),
-        ),
-    )
-    ground = GROUND_KINDS[int(rng.integers(len(GROUND_KINDS) - 1))]
-    scene = Scene(pad=pad, ground=ground, ground_seed=int(rng.integers(50)))
-    return Shot(scene, pose, camera=camera)
-
-
-def _scene(**changes) -> Callable[[Rng, Shot, float], Shot]:
+def _scene(**changes: Any) -> Change:
     return lambda rng, shot, side: replace(shot, scene=replace(shot.scene, **changes))
 
 
-def _imaging(**changes) -> Callable[[Rng, Shot, float], Shot]:
+def _imaging(**changes: Any) -> Change:
     return lambda rng, shot, side: replace(shot, imaging=shot.imaging.with_changes(**changes))
 
 
-def _look(name: str) -> Callable[[Rng, Shot, float], Shot]:
+def _look(name: str) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         scene, imaging = dress(shot.scene, name, seed=int(rng.integers(1000)))
         height = float(shot.pose.position_mm[2])
@@ -154,7 +46,7 @@ def _look(name: str) -> Callable[[Rng, Shot, float], Shot]:
     return change
 
 
-def _fog(contrast: float) -> Callable[[Rng, Shot, float], Shot]:
+def _fog(contrast: float) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         height_m = float(shot.pose.position_mm[2]) / 1000
         visibility = height_m * np.log(20) / -np.log(contrast)
@@ -172,7 +64,7 @@ def _vibrating(rng: Rng, shot: Shot, side: float) -> Shot:
     return replace(shot, imaging=imaging, motion=Motion(vibrations=shakes))
 
 
-def _litter(kind: LitterKind, share: float) -> Callable[[Rng, Shot, float], Shot]:
+def _litter(kind: LitterKind, share: float) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         usual = {"leaves": 0.05, "snow": 0.21, "mud": 0.18}[kind] * side
         litter = Litter(kind=kind, share=share, size_mm=usual, seed=int(rng.integers(1000)))
@@ -181,7 +73,7 @@ def _litter(kind: LitterKind, share: float) -> Callable[[Rng, Shot, float], Shot
     return change
 
 
-def _bent(name: str) -> Callable[[Rng, Shot, float], Shot]:
+def _bent(name: str) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         toward = float(rng.uniform(0, 360))
         bends = {
@@ -210,7 +102,7 @@ def _bent(name: str) -> Callable[[Rng, Shot, float], Shot]:
     return change
 
 
-def _tiled(swaps: int = 0, turn_deg: float = 0.2, gap_mm: float = 1.5):
+def _tiled(swaps: int = 0, turn_deg: float = 0.2, gap_mm: float = 1.5) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         lay = Tiles(
             columns=6,
@@ -226,7 +118,7 @@ def _tiled(swaps: int = 0, turn_deg: float = 0.2, gap_mm: float = 1.5):
     return change
 
 
-def _two(copy: bool) -> Callable[[Rng, Shot, float], Shot]:
+def _two(copy: bool) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         pad = shot.scene.pad
         if not copy:
@@ -257,15 +149,15 @@ def _hard_light(rng: Rng, shot: Shot, side: float) -> Shot:
     return replace(shot, scene=replace(shot.scene, light=Light(shadows=(shadow,))))
 
 
-def _reversed(image: np.ndarray) -> np.ndarray:
+def _reversed(image: Picture) -> Picture:
     return np.ascontiguousarray(image[..., ::-1])
 
 
-def _mirrored(image: np.ndarray) -> np.ndarray:
+def _mirrored(image: Picture) -> Picture:
     return np.ascontiguousarray(image[:, ::-1])
 
 
-def _inverted(image: np.ndarray) -> np.ndarray:
+def _inverted(image: Picture) -> Picture:
     return 255 - image
 
 
@@ -306,7 +198,11 @@ CLASSES: dict[str, RealityClass] = {
     "swapped-sheets": RealityClass(_tiled(swaps=2)),
     "two-copies": RealityClass(_two(copy=True), heights=(0.8, 2.0)),
     "two-pads": RealityClass(_two(copy=False), heights=(0.8, 2.0)),
-    **{f"look-{name}": RealityClass(_look(name)) for name in LOOKS if name != "clear"},
+    **{
+        f"look-{name}": RealityClass(_look(name))
+        for name, look in LOOKS.items()
+        if name != "clear" and not look.disturbances
+    },
     "exchanged": RealityClass(_NOTHING, after=_reversed),
     "mirrored": RealityClass(_NOTHING, after=_mirrored),
     "inverted": RealityClass(_NOTHING, after=_inverted),

@@ -17,7 +17,12 @@ from padstudio.pad.spec import Channel, Pad
 from padstudio.simulate.lay.fit import best_fit, laid
 from padstudio.simulate.motion import Course, Motion, course
 from padstudio.simulate.radiance.integrate import radiance
-from padstudio.simulate.radiance.lens import border_rays, check_lens, pixels_of_points
+from padstudio.simulate.radiance.lens import (
+    border_rays,
+    check_lens,
+    in_picture,
+    pixels_of_points,
+)
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.radiance.sheet import half_sides_mm
 from padstudio.simulate.sensor import Imaging, encode_jpeg, expose
@@ -82,9 +87,7 @@ class Truth:
 
     def _in_view(self, points: Array) -> NDArray[np.bool_]:
         """Which points (N, 3) of the pad frame are in the picture."""
-        pixels = pixels_of_points(self.camera, self.pose.to_camera(points))
-        size = np.array([self.camera.width, self.camera.height])
-        return np.asarray(((pixels > -0.5) & (pixels < size - 0.5)).all(axis=1))
+        return in_picture(self.camera, self.pose.to_camera(points))
 
 
 @dataclass(frozen=True, eq=False)

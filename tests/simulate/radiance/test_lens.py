@@ -12,6 +12,7 @@ from padstudio.simulate.radiance import integrate as radiance_module
 from padstudio.simulate.radiance.lens import (
     beyond_lens,
     field_of_view_deg,
+    in_picture,
     pixels_of_points,
     ray_map,
 )
@@ -112,6 +113,18 @@ def test_cells_beyond_ninety_degrees_lie_where_the_lens_puts_them():
     angle = np.arctan2(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
     behind = (points[:, 2] < 0) & (angle < np.radians(100))
     assert np.isfinite(pixels[behind]).all()
+
+
+def test_points_that_a_polynomial_brings_back_are_not_in_the_picture():
+    """Beyond its turning point a barrel lens maps far points into the frame once more."""
+    lens = camera((-0.3, 0.0, 0.0, 0.0, 0.0))
+    ray = np.array([[0.1, 0.05, 1.0], [0.0, 1.77, 1.0], [3.0, 0.0, 1.0], [0.1, 0.0, -1.0]])
+    assert np.abs(lens.project(ray[1:2])[0] - (150.2, 125.0)).max() < 10
+    assert in_picture(lens, ray).tolist() == [True, False, False, False]
+    assert in_picture(wide(), np.array([[1.0, 0.0, -0.05], [0.0, 0.0, -1.0]])).tolist() == [
+        True,
+        False,
+    ]
 
 
 def test_a_lens_that_is_no_fisheye_stays_limited():

@@ -20,6 +20,8 @@ MAX_PIXELS = 50_000_000
 _STEP = 16
 # Angles of a fisheye's table: linear between them to 1e-10.
 _ANGLES = 100_001
+# Two rays that differ by less, relatively, are one.
+_SAME_RAY = 1e-3
 # A small frame bends as much from side to side as a large one.
 _INTERVALS = 64
 
@@ -155,8 +157,25 @@ def pixels_of_points(camera: Camera, points: Array) -> Array:
     side = np.hypot(points[:, 0], points[:, 1])
     angle = np.arctan2(side, points[:, 2])
     bent = np.where(angle <= theta[-1], np.interp(angle, theta, radius), np.nan)
-    scale = np.where(side > 0, bent / np.maximum(side, 1e-300), 1.0)
+    # On the axis a point has no direction sideways: in front it is the principal point.
+    scale = np.where(side > 0, bent / np.maximum(side, 1e-300), np.where(angle < 1, 1.0, np.nan))
     return points[:, :2] * scale[:, None] @ camera.matrix[:2, :2].T + camera.matrix[:2, 2]
+
+
+def in_picture(camera: Camera, points: Array) -> NDArray[np.bool_]:
+    """Which points (N, 3) of the camera frame the picture shows, (N,).
+
+    A lens's polynomial may bring points from far beyond the frame back into it; such are left out.
+    """
+    pixels = pixels_of_points(camera, points)
+    size = np.array([camera.width, camera.height])
+    inside = np.asarray(((pixels > -0.5) & (pixels < size - 0.5)).all(axis=1))
+    if not is_wide(camera) and inside.any():
+        seen = points[inside]
+        ray = seen[:, :2] / seen[:, 2:]
+        off = np.abs(camera.normalize(pixels[inside]) - ray).max(axis=1)
+        inside[inside] = off < _SAME_RAY * (1 + np.abs(ray).max(axis=1))
+    return inside
 
 
 def _wide_ray_map(camera: Camera) -> NDArray[np.float32]:
