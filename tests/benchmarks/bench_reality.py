@@ -45,6 +45,7 @@ COLUMNS = (
     "good",
     "poor",
     "false",
+    "of them full",
     "missed",
     "of oracle's",
     "error %",
@@ -151,11 +152,14 @@ def row(name: str, records: list[dict[str, Any]]) -> list[str]:
     nees = [record["nees"] for record in found if "nees" in record]
     why = Counter(record["reason"] for record in records if record["verdict"] == "miss")
     read = sum(record["verdict"] == "good" for record in readable)
+    full = sum(r["verdict"] == "false" and r["quality"] == "full" for r in records)
     return [
         name,
         str(len(records)),
         str(len(readable)) if any(r["oracle_log10"] is not None for r in records) else "–",
-        *(str(count[verdict]) for verdict in ("good", "poor", "false", "miss")),
+        *(str(count[verdict]) for verdict in ("good", "poor", "false")),
+        str(full),
+        str(count["miss"]),
         f"{read}/{len(readable)}",
         f"{np.median(errors):.4f}" if errors else "–",
         f"{max(errors):.3f}" if errors else "–",
@@ -210,7 +214,9 @@ def main() -> int:
         return 0
     cv2.setNumThreads(1)
     # The loops load before anything is timed.
-    next(iter(simulated("plain", pads(), 1, 0))).detector.detect(np.zeros((765, 1360, 3), np.uint8))
+    for name in ("plain", "fog"):
+        first = next(simulated(name, pads(), 1, 0))
+        first.detector.detect(first.image)
     everything: dict[str, list[dict[str, Any]]] = {}
     lines = [" | ".join(COLUMNS), " | ".join("---" for _ in COLUMNS)]
     print("\n".join(f"| {line} |" for line in lines), flush=True)

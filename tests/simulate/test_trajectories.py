@@ -17,6 +17,8 @@ from padstudio.geometry.pose import rotation_angle_deg
 from padstudio.pad.spec import Layer, Pad
 from padstudio.simulate.looks import LOOKS, dress
 from padstudio.simulate.motion import Motion, poses_at
+from padstudio.simulate.paths import motion_along
+from padstudio.simulate.paths import wandering_path as path_of
 from padstudio.simulate.radiance.scene import GROUND_KINDS, Scene
 from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
@@ -26,10 +28,8 @@ from padstudio.simulate.trajectories import (
     Flight,
     FlightSpec,
     Setup,
-    motion_along,
     plan,
 )
-from padstudio.simulate.trajectories import wandering_path as path_of
 from padstudio.simulate.video_writer import VideoWriter
 from padstudio.simulate.writer import write_flight
 

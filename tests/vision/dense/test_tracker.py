@@ -5,10 +5,10 @@ import pytest
 from dense_frames import errors, frame_of, sample_pad, small_camera
 
 from padstudio.geometry.pose import look_at_pad
+from padstudio.simulate.paths import motion_along
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
-from padstudio.simulate.trajectories import motion_along
 from padstudio.vision.dense.tracker import Tracker
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Detection
