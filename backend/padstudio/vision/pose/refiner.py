@@ -107,7 +107,7 @@ class Refiner:
         pose = start
         layer_fits: list[LayerFit] = []
         for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
-            readable = self._readable(layer, pose)
+            readable = self.readable(layer, pose)
             if readable is not None:
                 layer_fits.append(self._prefit(readable, 2 if layer.cell_mm <= good_mm else 0))
                 pose = layer_fits[-1].pose
@@ -120,7 +120,7 @@ class Refiner:
         disagree with the pad: coarser layers may then lead there.
         """
         for layer in sorted(self.pad.layers, key=lambda item: item.cell_mm):
-            readable = self._readable(layer, expected)
+            readable = self.readable(layer, expected)
             if readable is not None:
                 if miss_px > _WITHIN * readable.cell_px:
                     return None
@@ -128,7 +128,7 @@ class Refiner:
                 return self.refine_finest([self._prefit(readable, times)])
         return None
 
-    def _readable(self, layer: Layer, pose: MovingPose) -> LayerFit | None:
+    def readable(self, layer: Layer, pose: MovingPose) -> LayerFit | None:
         """A layer's borders where a pose puts them, or None where it cannot be read."""
         least_px = self.params.refine.least_cell_px
         borders, cell_px = measurable_borders(
