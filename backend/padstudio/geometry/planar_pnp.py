@@ -105,6 +105,17 @@ def ambiguity(pose: Pose, points_mm: Array, sigma: float) -> float:
     return sigma / float(np.hypot(sigma, away)) if sigma + away > 0 else 0.0
 
 
+def mirrored(pose: Pose) -> Pose:
+    """The pose from which a small plane looks the same: its normal mirrored at the line of sight.
+
+    Up to perspective, that is; the plane's origin keeps its place in the camera frame.
+    """
+    sight = pose.tvec_mm / np.linalg.norm(pose.tvec_mm)
+    half_turn = 2 * np.outer(sight, sight) - np.eye(3)
+    rotation = half_turn @ pose.rotation.T @ np.diag([-1.0, -1.0, 1.0])
+    return Pose.from_T_camera_pad(rotation, pose.tvec_mm)
+
+
 def _closed_form(points_mm: Array, rays: Array) -> list[Pose]:
     try:
         count, vectors, shifts, _ = cv2.solvePnPGeneric(

@@ -119,6 +119,17 @@ class MovingPose:
         return self.pose.step_to(other.pose)
 
 
+def picture_change(points: Array, rotation: Array) -> Array:
+    """Change (N, 2, 6) of pictures x/z, y/z of camera points (N, 3) with centre and attitude."""
+    x, y, z = points.T
+    zero = np.zeros_like(x)
+    slope = np.stack([1 / z, zero, -x / z**2, zero, 1 / z, -y / z**2], axis=1).reshape(-1, 2, 3)
+    # A turn w moves a point by −w × p.
+    turn = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    moved = np.concatenate([np.broadcast_to(-rotation.T, (len(x), 3, 3)), turn], axis=2)
+    return np.asarray(slope @ moved)
+
+
 def row_times(camera: Camera, rows: Array) -> Array:
     """Times at which frame rows are read, −0.5 … 0.5 of the frame."""
     return (rows - (camera.height - 1) / 2) / camera.height

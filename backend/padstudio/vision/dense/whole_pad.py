@@ -8,7 +8,7 @@ which one it is, and whether it is this pad at all.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,6 +68,7 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
         best = _matched(refiner, outline, best.fit.pose, rough=False)
     if best is None:
         return StageFailure("outline", Reason.NO_OUTLINE, "the outline's corners give no pose")
+    best = replace(best, fit=best.fit.settled())
     bound = refiner.params.log10_false_alarm
     if not best.read.evidence.suffices(bound, least_kappa=_LEAST_KAPPA):
         return another_sign(best.read)

@@ -72,6 +72,16 @@ class Pixels(NamedTuple):
             np.ascontiguousarray(self.values[:, ::stride]),
         )
 
+    def between(self, first: int, end: int) -> Pixels:
+        """Those of some places in their order."""
+        return Pixels(
+            self.rays[first:end],
+            self.row_time[first:end],
+            self.shade[first:end],
+            self.tile[first:end],
+            np.ascontiguousarray(self.values[:, first:end]),
+        )
+
 
 class Brightness(NamedTuple):
     """How each of C channels shows L layers.

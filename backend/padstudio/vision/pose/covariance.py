@@ -27,6 +27,8 @@ _LEAST_SCATTER = 0.5
 # Robustly weighted residuals of a normal law scatter by 0.4; fewer show less by chance. Residuals
 # near each other raise that by no more than such a factor.
 _LEAST_NOISE, _MOST_ALIKE = 0.35, 1.3
+# Pixels scatter alike as they share light, mosaic and compression: by 0.6 … 3.5 in frames at rest.
+_LEAST_PATTERN_NOISE, _MOST_PATTERN_NOISE = 0.6, 3.5
 # A covariance grows by no more than the inverse of this, as of `newton_share`.
 _LEAST_SHARE = 0.3
 # Sensor mosaic, chroma of half resolution and calibration move the whole picture by so much.
@@ -74,6 +76,14 @@ def noise_share(normal: Array, squares: Array, scores: Array, count: int) -> flo
     near = ((scores @ root) ** 2).sum() * used / max(used - 6, 1)
     # Few tiles tell by chance a half more or less than there is.
     return max(_LEAST_NOISE, float(alone) / 6, min(float(near), _MOST_ALIKE * float(alone)) / 6)
+
+
+def pattern_noise(normal: Array, scores: Array) -> float:
+    """As `noise_share`, of pixels: normal matrix (6, 6) and scores (T, 6) over their variance."""
+    white = scores @ _inverse_root(normal)
+    used = int(np.count_nonzero(scores.any(axis=1)))
+    near = float((white**2).sum()) * used / max(used - 6, 1) / 6
+    return min(max(near, _LEAST_PATTERN_NOISE), _MOST_PATTERN_NOISE)
 
 
 def tiles_of(xy: Array) -> NDArray[np.intp]:

@@ -20,14 +20,18 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.geometry.planar_pnp import mirrored
+from padstudio.geometry.rolling_shutter import MovingPose, picture_change
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose import alignment_kernel
 from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
-from padstudio.vision.pose.covariance import TILES, least_share
-from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior
-from padstudio.vision.pose.template import OVERSAMPLING, pixels_of, texture_of
+from padstudio.vision.pose.covariance import TILES, least_share, pattern_noise
+from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior, bounds_of
+from padstudio.vision.pose.pose_posterior import RowsSeen, explain_pattern
+from padstudio.vision.pose.row_motion import INTERVALS
+from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
+from padstudio.vision.pose.template import OVERSAMPLING, on_pad, pixels_of, texture_of
 
 # Steps at the most on a part of the pixels, as far as they serve, then on all. 1250 and 5000 find
 # the same stills of the score.
@@ -38,6 +42,10 @@ _ROUGHLY_SETTLED, _SETTLED = 0.5, 0.05
 # Brightness terms are held to what they are by this share of what the picture says of them, so that
 # those it says nothing of can be solved for.
 _HELD = 1e-9
+# By so many pixels the pattern's shape is off at its rim.
+_SHAPE_PX = 0.02
+# A plane whose halves perspective draws so unlike has one pose alone.
+_CLEAR_PX = 1.5
 # Residuals beyond so many standard deviations, and grey values, are trusted little.
 _TRUSTED, _LEAST_SCALE = 3.0, 0.3
 
@@ -104,11 +112,13 @@ class Match:
     ----------
     pixels : Pixels
     texture : Texture
+    focal_px : float
+        Of the camera.
     """
 
-    def __init__(self, pixels: Pixels, texture: Texture) -> None:
+    def __init__(self, pixels: Pixels, texture: Texture, focal_px: float) -> None:
         self._all, self._few = pixels, pixels.thinned(_ROUGH_PIXELS)
-        self._texture = texture
+        self._texture, self._focal_px = texture, focal_px
         self._scale = np.zeros(len(pixels.values))
         self._brightness: Array | None = None
         self._rms_px = 0.0
@@ -123,7 +133,7 @@ class Match:
         if pixels is None:
             return None
         texture = texture_of(pad, camera.focal_px / float(start.pose.position_mm[2]))
-        return cls(pixels, texture)
+        return cls(pixels, texture, camera.focal_px)
 
     def fit(self, start: MovingPose, model: MotionModel, *, rough: bool = False) -> Fit | None:
         """The pose that matches best.
@@ -155,11 +165,7 @@ class Match:
         if pose is None:
             return None
         settled, everything = pose, np.ones(len(self._all.row_time), bool)
-
-        def explain() -> tuple[MovingPose, Array]:
-            return settled, self._covariance(settled, prior)
-
-        return Fit(settled, self._rms_px, everything, explain)
+        return Fit(settled, self._rms_px, everything, lambda: self._explain(settled, model))
 
     def _find_brightness(self, pose: MovingPose) -> None:
         """Brightness at a pose, as if the pose were right."""
@@ -191,13 +197,129 @@ class Match:
                 break
         return pose
 
-    def _covariance(self, pose: MovingPose, prior: MotionPrior) -> Array:
-        """Covariance (6, 6) of a solution."""
-        parts = self._equations(pose, self._all, 12)
-        normal = sum((part.normal * part.share for part in parts), np.zeros((12, 12)))
-        size = len(prior.weight)
-        scores = sum((part.scores[:, :size] for part in parts), np.zeros((TILES * TILES, size)))
-        return prior.covariance(normal, scores)
+    def _explain(self, pose: MovingPose, model: MotionModel) -> tuple[MovingPose, Array]:
+        """The pose at the middle row, and its covariance (6, 6)."""
+        parts = self._equations(pose, self._all, 6)
+        bounds = bounds_of(pose, model, 1.0)
+        sums, first, width = self._row_sums(pose, parts)
+        blur = 0.0 if bounds.at_rest else self._blur_variance(pose)
+        rows = RowsSeen(sums, first, width, blur)
+        settled, covariance = explain_pattern(pose, rows, self._focal_px, bounds)
+        covariance = covariance + self._shape_doubt(pose)
+        other = self._mirrored(pose, MotionPrior.of(pose, model), _noise(parts))
+        if other is not None:
+            step, share = other
+            covariance = covariance + share * np.outer(step, step)
+        return settled, covariance
+
+    def _mirrored(
+        self, pose: MovingPose, prior: MotionPrior, noise: float
+    ) -> tuple[Array, float] | None:
+        """The step to the other pose of a small plane, and its share of what may be; few pixels
+        tell as well as all that are as unlike each other.
+
+        None where perspective sets the two apart beyond doubt, or the other one is no minimum.
+        """
+        start = mirrored(pose.pose)
+        if self._perspective_px(pose) > _CLEAR_PX or start.position_mm[2] <= 0:
+            return None
+        assert self._brightness is not None
+        saved = self._brightness, self._scale, self._rms_px
+        few, steps = self._few, _ROUGH_STEPS
+        noise = max(noise * len(few.row_time) / len(self._all.row_time), 1.0)
+        self._brightness = saved[0].copy()
+        other = self._settle(MovingPose(start), prior, few, steps, _ROUGHLY_SETTLED)
+        found = None
+        if other is not None and other.pose.position_mm[2] > 0:
+            theirs = self._equations(other, few, 0)
+            self._brightness, self._scale = saved[0].copy(), saved[1]
+            here = self._settle(pose, prior, few, 2, _ROUGHLY_SETTLED) or pose
+            mine = self._equations(here, few, 0)
+            ratio = sum(np.log(a.variance / b.variance) for a, b in zip(theirs, mine, strict=True))
+            worse = len(few.row_time) * ratio / noise / 2
+            share = 1 / (1 + np.exp(np.clip(worse, -50.0, 50.0)))
+            found = pose.step_to(other), float(share)
+        self._brightness, self._scale, self._rms_px = saved
+        return found
+
+    def _shape_doubt(self, pose: MovingPose) -> Array:
+        """What a picture whose shape is off by a share of a pixel at the pad's rim does to a pose.
+
+        From afar tilt is told by the pad's shape alone, which pattern, lens and mosaic leave so
+        uncertain.
+        """
+        place, (_, height, width) = self._texture.place, self._texture.layers.shape
+        sides = np.abs([width / place[1], height / place[3]]) / 2
+        grid = np.array([[x, y, 0.0] for x in (-1, 0, 1) for y in (-1, 0, 1)])
+        points = pose.pose.to_camera(grid * [*sides, 0.0])
+        change = self._focal_px * picture_change(points, pose.pose.rotation)
+        shape = points[:, :2] - points.mean(axis=0)[:2]
+        shape /= np.abs(shape).max()
+        bent = np.zeros((9, 2, 4))
+        bent[:, 0, :2], bent[:, 1, 2:] = shape, shape
+        moved = _SHAPE_PX * np.linalg.lstsq(change.reshape(18, 6), bent.reshape(18, 4))[0]
+        return np.asarray(moved @ moved.T)
+
+    def _perspective_px(self, pose: MovingPose) -> float:
+        """By how much the pad's far half is drawn smaller than its near half, frame pixels."""
+        position = pose.pose.position_mm
+        distance = float(np.linalg.norm(position))
+        sine = float(np.hypot(*position[:2])) / distance
+        half = (self._texture.layers.shape[2] / abs(self._texture.place[1])) / 2
+        return float(self._focal_px * (half / distance) ** 2 * sine)
+
+    def _row_sums(self, pose: MovingPose, parts: list[_Equations]) -> tuple[RowSums, float, float]:
+        """Normal equations by intervals of rows, scaled so that their inverse is a covariance."""
+        assert self._brightness is not None
+        brightness, time = Brightness(self._brightness, self._scale), self._all.row_time
+        first, width = float(time[0]), (float(time[-1] - time[0]) + 1e-9) / INTERVALS
+        ends = np.searchsorted(time, first + width * np.arange(INTERVALS + 1))
+        normal, pull = np.zeros((3, INTERVALS, STATIC, STATIC)), np.zeros((2, INTERVALS, STATIC))
+        whole, noise = np.zeros((6, 6)), _noise(parts)
+        for k in range(INTERVALS):
+            pixels = self._all.between(ends[k], ends[k + 1])
+            found = alignment_kernel.match_pattern(
+                pixels, self._texture, pose.state, brightness, 12, TILES * TILES
+            )
+            start = first + k * width
+            for c, part in enumerate(parts):
+                share = part.share / (part.variance * noise)
+                square = found.normal[c, :12, :12]
+                square = share * part.share * (square + np.tril(square, -1).T)
+                right = share * found.right[c, :, :12].sum(axis=0)
+                here, once, twice = square[:6, :6], square[:6, 6:], square[6:, 6:]
+                whole += here
+                normal[0, k, :6, :6] += here
+                normal[1, k, :6, :6] += (once - start * here) / width
+                normal[2, k, :6, :6] += (twice - 2 * start * once + start**2 * here) / width**2
+                pull[0, k, :6] += right[:6]
+                pull[1, k, :6] += (right[6:] - start * right[:6]) / width
+        # What brightness takes over of a step of the pose, all directions alike.
+        left = sum((part.normal * part.share**2 / noise for part in parts), np.zeros((6, 6)))
+        kept = float(np.trace(np.linalg.solve(whole, left))) / 6
+        return RowSums(normal * kept, pull * kept), first, width
+
+    def _blur_variance(self, pose: MovingPose) -> float:
+        """By how much the picture is blurrier than the pattern, frame pixels squared."""
+        assert self._brightness is not None
+        few, place, layers = self._few, self._texture.place, self._texture.layers
+        x, y = np.moveaxis(on_pad(pose.pose, few.rays), -1, 0)
+        height, width = layers.shape[1:]
+        column = np.clip(np.round(place[0] + place[1] * x).astype(np.intp), 1, width - 2)
+        row = np.clip(np.round(place[2] + place[3] * y).astype(np.intp), 1, height - 2)
+        around = layers[:, row - 1, column] + layers[:, row + 1, column]
+        around += layers[:, row, column - 1] + layers[:, row, column + 1]
+        bend = (around - 4 * layers[:, row, column]) * (OVERSAMPLING**2 / 2)
+        residuals = alignment_kernel.match_pattern(
+            few, self._texture, pose.state, Brightness(self._brightness, self._scale), 0, 64
+        ).residuals
+        across = along = 0.0
+        for c, terms in enumerate(self._brightness):
+            gains = terms[alignment_kernel.SHADE :: alignment_kernel.GAIN][: len(layers)]
+            change = gains @ bend
+            along += float(change @ residuals[c])
+            across += float(change @ change)
+        return along / max(across, 1e-9)
 
     def _equations(self, pose: MovingPose, pixels: Pixels, size: int) -> list[_Equations]:
         """Each channel's equations at a pose; updates what residuals are trusted, and the rms."""
@@ -211,6 +333,13 @@ class Match:
         squares = (sums[:, 0] / sums[:, 1]).sum()
         self._rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) * texture.place[1] / OVERSAMPLING
         return [_Equations.of(*part, size) for part in zip(normal, right, sums, strict=True)]
+
+
+def _noise(parts: list[_Equations]) -> float:
+    """Scatter of scores over that of pixels as independent as they are many."""
+    normal = sum((part.normal for part in parts), np.zeros((6, 6)))
+    scores = sum((part.scores for part in parts), np.zeros((TILES * TILES, 6)))
+    return pattern_noise(normal, scores)
 
 
 def _scales(residuals: NDArray[np.float32]) -> Array:

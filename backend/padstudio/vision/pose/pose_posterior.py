@@ -9,6 +9,8 @@ anywhere within its blur.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from padstudio.arrays import Array
@@ -18,11 +20,14 @@ from padstudio.vision.pose.covariance import TILES, newton_share, noise_share, t
 from padstudio.vision.pose.edge_points import EdgePoints
 from padstudio.vision.pose.least_squares_kernel import Sightings, Solution, scatter, trust_of
 from padstudio.vision.pose.row_motion import INTERVALS, MotionBounds, RowFit, explain_rows
-from padstudio.vision.pose.row_motion_kernel import noise_sums, row_sums
+from padstudio.vision.pose.row_motion_kernel import RowSums, noise_sums, row_sums
 
 # Widths of steps in a sharp picture differ by so much, frame pixels squared; and a blur's variance
 # as of squared slopes is so many times the motion's, whose ends are its brightest.
 _SHARP_WITHIN, _BLUR_GAIN = 0.2, 3.0
+# A sharp picture is blurrier than the pattern by no more than this, frame pixels squared; and the
+# motion's variance is so many times what a small change of the blur would explain.
+_PATTERN_WITHIN, _PATTERN_GAIN = 0.42, 2.0
 # Blurs about both axes are alike, unless their steps say otherwise with this share of their weight.
 _ALIKE = 0.05
 # What lens model and sensor leave over stretches a picture by so much, and by so much a pixel of
@@ -63,6 +68,38 @@ def explain_edges(
         step = np.concatenate([step, fit.motion - motion])
     blur = np.zeros(3) if bounds.at_rest else _blur_variance(found.rows, edge_points)
     return pose.moved(step), _widened(fit.covariance, blur, bounds.height_mm, camera.focal_px)
+
+
+class RowsSeen(NamedTuple):
+    """A pattern's normal equations by rows.
+
+    Attributes
+    ----------
+    sums : RowSums
+        Scaled so that their inverse is a covariance; of biases nothing.
+    first, width : float
+        As of `explain_rows`.
+    blur_px2 : float
+        By how much the picture is blurrier than the pattern, frame pixels squared.
+    """
+
+    sums: RowSums
+    first: float
+    width: float
+    blur_px2: float
+
+
+def explain_pattern(
+    pose: MovingPose, rows: RowsSeen, focal_px: float, bounds: MotionBounds
+) -> tuple[MovingPose, Array]:
+    """As `explain_edges`, of a pose that a pattern was matched with."""
+    motion = np.concatenate([pose.shift_mm, pose.rotvec])
+    fit = explain_rows(rows.sums, rows.first, rows.width, motion, bounds)
+    step = fit.step[:6]
+    if fit.shaken or not pose.still:
+        step = np.concatenate([step, fit.motion - motion])
+    turn = _PATTERN_GAIN * max(0.0, rows.blur_px2 - _PATTERN_WITHIN) / focal_px**2
+    return pose.moved(step), _widened(fit.covariance, np.full(3, turn), bounds.height_mm, focal_px)
 
 
 class _Measured:

@@ -188,7 +188,7 @@ class Refiner:
             fit = self._match(last)
             # Glare bends the shading beyond what the match allows for; borders bear it.
             if fit is not None and fit.rms_px <= most_residual_px(last.cell_px, self.params.refine):
-                return fit, None
+                return fit.settled(), None
         edge_points = self._edge_points(
             last.layer, last.borders, last.pose, last.cell_px, sharper=1
         )

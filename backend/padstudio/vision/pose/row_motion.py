@@ -18,7 +18,7 @@ rolling-shutter cameras. arXiv:cs/0503076.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
 #: Intervals of rows over what was measured; a vibration of four periods a frame needs as many.
 INTERVALS = 16
 # Sizes of a drift within the frame, radians, and shares of the height; the first is none.
-_DRIFTS = np.array([1e-6, 5e-5, 1.5e-4, 5e-4, 1.5e-3, 4e-3, 1e-2])
+_DRIFTS = np.array([1e-6, 5e-5, 1.5e-4, 5e-4, 1.5e-3, 4e-3, 1e-2, 3e-2, 8e-2])
 _NO_DRIFT = 0.6
 # A vehicle sinks faster than it drifts, by so many times, and turns about the camera's axis faster
 # than it leans; but it sinks by no more than half of the height a second, in the time that the
@@ -160,11 +160,13 @@ def explain_rows(
     normal, pull = _with_drift(normal, pull, sums, (starts, width), away)
     drift = _drifting(normal, pull, bounds)
     best = drift.mean[np.argmax(drift.log_weight)]
-    shaken = _unrest(sums, (starts, width), best, away) > _SHAKEN
-    found = [drift]
-    if shaken:
-        found.append(_swaying((normal, pull), sums, (starts, width), away, bounds))
-    return _mixed(found, bounds, count)
+    if _unrest(sums, (starts, width), best, away) <= _SHAKEN:
+        return _mixed([drift], bounds, count)
+    sway = _swaying((normal, pull), sums, (starts, width), away, bounds)
+    fit = _mixed([drift, sway], bounds, count)
+    whole = np.concatenate([fit.step, fit.motion - bounds.expected])
+    left = _unrest(sums, (starts, width), whole, away, fit.sway)
+    return replace(fit, covariance=fit.covariance * max(1.0, left))
 
 
 def _static(sums: RowSums, bounds: MotionBounds) -> tuple[Array, Array]:
@@ -196,13 +198,19 @@ def _drifting(normal: Array, pull: Array, bounds: MotionBounds) -> _Posteriors:
     return _Posteriors.of(every, pull, np.log(prior) - np.log(sigma).sum(axis=1))
 
 
-def _unrest(sums: RowSums, rows: tuple[Array, float], best: Array, away: Array) -> float:
+def _unrest(
+    sums: RowSums, rows: tuple[Array, float], best: Array, away: Array, sway: Array | None = None
+) -> float:
     """Squared shifts that single intervals still ask for, over their variance."""
     starts, width = rows
     drift = best[STATIC:] - away
     left = sums.pull[0] - sums.normal[0] @ best[:STATIC]
     moments = starts[:, None, None] * sums.normal[0] + width * sums.normal[1]
     left = (left - moments[:, :, :6] @ drift)[:, 3:5]
+    if sway is not None:
+        m0, m1 = (sums.normal[k][:, 3:5, 3:6] for k in range(2))
+        left = left - np.einsum("kij,kj->ki", m0 - m1, sway[:-1])
+        left = left - np.einsum("kij,kj->ki", m1, sway[1:])
     a, b, c = (sums.normal[0][:, i, j] for i, j in ((3, 3), (4, 4), (3, 4)))
     middle, half = (a + b) / 2, np.sqrt((a - b) ** 2 / 4 + c * c)
     tells = (middle > 0) & (middle + half < _ONE_SIDED * (middle - half))
