@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from dense_frames import errors, random_pose
 
-from padstudio.geometry.planar_pnp import planar_pose
+from padstudio.geometry.planar_pnp import mirrored, planar_pose
 from padstudio.geometry.pose import look_at_pad
 
 POINTS = np.column_stack([np.random.default_rng(2).uniform(-100, 100, (25, 2)), np.zeros(25)])
@@ -50,3 +50,14 @@ def test_points_on_a_line_give_no_pose_that_is_wrong():
     line[:, 1] = 0
     found = planar_pose(line, rays_of(look_at_pad(400.0), line))
     assert found is None or np.isfinite(found.pose.position_mm).all()
+
+
+def test_a_mirrored_pose_shows_a_small_plane_alike():
+    pose = look_at_pad(40_000.0, tilt_deg=9.0, heading_deg=50, target_mm=(900.0, -2000.0))
+    other = mirrored(pose)
+    np.testing.assert_allclose(other.rotation @ other.rotation.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(other.tvec_mm, pose.tvec_mm, atol=1e-6)
+    size = np.ptp(rays_of(pose), axis=0).max()
+    assert np.abs(rays_of(other) - rays_of(pose)).max() < 0.003 * size
+    assert errors(other, pose)[1] > 10
+    np.testing.assert_allclose(mirrored(other).rotation, pose.rotation, atol=1e-12)

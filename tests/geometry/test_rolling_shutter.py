@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad
-from padstudio.geometry.rolling_shutter import MovingPose, cross, row_times
+from padstudio.geometry.rolling_shutter import MovingPose, cross, picture_change, row_times
 from padstudio.simulate.motion import Motion, poses_at
 
 LENS = (-0.28, 0.09, 0.001, -0.0008)
@@ -107,3 +107,17 @@ def test_a_pose_is_the_inverse_of_what_it_projects():
     found = cv2.solvePnP(POINTS, pixels, camera.matrix, camera.distortion)
     back = Pose.from_T_camera_pad(cv2.Rodrigues(found[1])[0], found[2])
     np.testing.assert_allclose(back.position_mm, pose.position_mm, atol=1e-2)
+
+
+def test_pictures_change_as_the_camera_moves():
+    pose = look_at_pad(700.0, tilt_deg=25.0, heading_deg=40.0)
+    change = picture_change(pose.to_camera(POINTS), pose.rotation)
+
+    def picture(step):
+        seen = MovingPose(pose).moved(step).pose.to_camera(POINTS)
+        return seen[:, :2] / seen[:, 2:]
+
+    for k, size in enumerate([1e-3] * 3 + [1e-6] * 3):
+        step = size * np.eye(6)[k]
+        plain = (picture(step) - picture(-step)) / (2 * size)
+        np.testing.assert_allclose(change[:, :, k], plain, atol=1e-6)

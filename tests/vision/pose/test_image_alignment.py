@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from dense_frames import errors, frame_of, random_pose, sample_pad, small_camera
 
+from padstudio.geometry.planar_pnp import mirrored
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.simulate.sensor import Imaging
@@ -73,3 +74,26 @@ def test_brightness_found_for_one_pose_serves_the_next():
     moving = match.fit(first.pose, MOVING)
     assert np.abs(first.pose.step_to(again.pose)[:3]).max() < 0.2
     assert moving.rms_px <= again.rms_px * 1.001
+
+
+def test_a_pad_so_small_that_its_mirror_image_fits_says_so():
+    """Perspective draws its halves alike to some hundredths of a pixel: either tilt may be."""
+    pose = look_at_pad(18_000.0, tilt_deg=4.0, heading_deg=30.0)
+    fit = matched(view(pose, Imaging()), MovingPose(pose))
+    assert fit is not None
+    step = MovingPose(pose).step_to(MovingPose(mirrored(pose)))
+    away = step / np.linalg.norm(step)
+    assert np.sqrt(away @ fit.covariance @ away) > 0.2 * np.linalg.norm(step)
+    # Distance and bearing are as sure as ever.
+    axis = pose.position_mm / np.linalg.norm(pose.position_mm)
+    assert np.sqrt(axis @ fit.covariance[:3, :3] @ axis) < 0.02 * 18_000.0
+
+
+def test_a_picture_blurred_beyond_its_pattern_leaves_the_attitude_in_doubt():
+    pose = look_at_pad(2500.0, tilt_deg=10.0, heading_deg=30.0)
+    sigma = []
+    for blur_px in (0.6, 1.6):
+        fit = matched(view(pose, Imaging(blur_px=blur_px)), MovingPose(pose))
+        assert fit is not None
+        sigma.append(np.sqrt(np.diag(fit.covariance)[5]) * CAMERA.focal_px)
+    assert sigma[1] > 0.5 > sigma[0]

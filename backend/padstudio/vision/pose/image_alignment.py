@@ -29,7 +29,7 @@ from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
 from padstudio.vision.pose.covariance import TILES, least_share, pattern_noise
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior, bounds_of
 from padstudio.vision.pose.pose_posterior import RowsSeen, explain_pattern
-from padstudio.vision.pose.row_motion import INTERVALS
+from padstudio.vision.pose.row_motion import intervals_over
 from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
 from padstudio.vision.pose.template import OVERSAMPLING, on_pad, pixels_of, texture_of
 
@@ -237,7 +237,10 @@ class Match:
             mine = self._equations(here, few, 0)
             ratio = sum(np.log(a.variance / b.variance) for a, b in zip(theirs, mine, strict=True))
             worse = len(few.row_time) * ratio / noise / 2
-            share = 1 / (1 + np.exp(np.clip(worse, -50.0, 50.0)))
+            # The two differ by their perspective alone, which the picture's shape may feign.
+            most = (self._perspective_px(pose) / _SHAPE_PX) ** 2 / 2
+            worse *= most / (abs(worse) + most + 1e-9)
+            share = 1 / (1 + np.exp(worse))
             found = pose.step_to(other), float(share)
         self._brightness, self._scale, self._rms_px = saved
         return found
@@ -272,11 +275,11 @@ class Match:
         """Normal equations by intervals of rows, scaled so that their inverse is a covariance."""
         assert self._brightness is not None
         brightness, time = Brightness(self._brightness, self._scale), self._all.row_time
-        first, width = float(time[0]), (float(time[-1] - time[0]) + 1e-9) / INTERVALS
-        ends = np.searchsorted(time, first + width * np.arange(INTERVALS + 1))
-        normal, pull = np.zeros((3, INTERVALS, STATIC, STATIC)), np.zeros((2, INTERVALS, STATIC))
+        first, width, count = intervals_over(float(time[0]), float(time[-1]))
+        ends = np.searchsorted(time, first + width * np.arange(count + 1))
+        normal, pull = np.zeros((3, count, STATIC, STATIC)), np.zeros((2, count, STATIC))
         whole, noise = np.zeros((6, 6)), _noise(parts)
-        for k in range(INTERVALS):
+        for k in range(count):
             pixels = self._all.between(ends[k], ends[k + 1])
             found = alignment_kernel.match_pattern(
                 pixels, self._texture, pose.state, brightness, 12, TILES * TILES

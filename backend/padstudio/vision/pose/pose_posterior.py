@@ -19,7 +19,7 @@ from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.vision.pose.covariance import TILES, newton_share, noise_share, tiles_of
 from padstudio.vision.pose.edge_points import EdgePoints
 from padstudio.vision.pose.least_squares_kernel import Sightings, Solution, scatter, trust_of
-from padstudio.vision.pose.row_motion import INTERVALS, MotionBounds, RowFit, explain_rows
+from padstudio.vision.pose.row_motion import MotionBounds, RowFit, explain_rows, intervals_over
 from padstudio.vision.pose.row_motion_kernel import RowSums, noise_sums, row_sums
 
 # Widths of steps in a sharp picture differ by so much, frame pixels squared; and a blur's variance
@@ -111,8 +111,7 @@ class _Measured:
         step, upright = np.sign(edge_points.borders.step), edge_points.borders.across_mm[:, 0] != 0
         self._sides = np.stack([step * upright, step * ~upright], axis=1)
         time = seen.row_time
-        self.first = float(time.min()) - 1e-9
-        self.width = (float(time.max()) + 1e-9 - self.first) / INTERVALS
+        self._first, self._width, self._count = intervals_over(float(time.min()), float(time.max()))
 
     def explain(self, left: Array, predicted: Array, motion: Array, bounds: MotionBounds) -> RowFit:
         """`explain_rows`, where residuals are what is left (N,) over what was predicted (N,)."""
@@ -126,17 +125,17 @@ class _Measured:
         noise = noise_share(*noise_sums(rows, trust, self._tile, TILES**2), len(rows))
         rows[:, 0] = left + share * predicted
         sums = row_sums(
-            rows, self._sides, self._seen.row_time, trust, self.first, self.width, INTERVALS
+            rows, self._sides, self._seen.row_time, trust, self._first, self._width, self._count
         )
         scaled = sums._replace(
             normal=sums.normal * (share**2 / noise), pull=sums.pull * (share / noise)
         )
-        return explain_rows(scaled, self.first, self.width, motion, bounds)
+        return explain_rows(scaled, self._first, self._width, motion, bounds)
 
     def predict(self, fit: RowFit, motion: Array) -> Array:
         """What a fit makes of the residuals (N,)."""
         change, time = self._rows[:, 1:], self._seen.row_time
-        knots = self.first + self.width * np.arange(INTERVALS + 1)
+        knots = self._first + self._width * np.arange(self._count + 1)
         sway = np.stack([np.interp(time, knots, axis) for axis in fit.sway.T], axis=1)
         static = change @ fit.step[:6] + self._sides @ fit.step[6:]
         drift = time * (change @ (fit.motion - motion))

@@ -25,8 +25,9 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
 
-#: Intervals of rows over what was measured; a vibration of four periods a frame needs as many.
-INTERVALS = 16
+#: Intervals of rows over what was measured; a vibration of four periods a frame needs as many over
+#: all of it.
+INTERVALS, FEW_INTERVALS = 16, 8
 # Sizes of a drift within the frame, radians, and shares of the height; the first is none.
 _DRIFTS = np.array([1e-6, 5e-5, 1.5e-4, 5e-4, 1.5e-3, 4e-3, 1e-2, 3e-2, 8e-2])
 _NO_DRIFT = 0.6
@@ -42,6 +43,8 @@ _DRIFT_BESIDE, _ROLL, _NUGGET = 4, 0.7, 1e-3
 # Squared shifts of single intervals over their variance from which a shaking is looked for; frames
 # at rest reach 1.4 once in ten.
 _SHAKEN = 1.7
+# Over less than such a share of the frame a shaking looks like tilt, and is always reckoned with.
+_FEW_ROWS = 0.5
 # Intervals that leave a direction of shift this much less sure than the other tell nothing.
 _ONE_SIDED = 50.0
 
@@ -101,10 +104,10 @@ class RowFit:
         Of the pose.
     motion : (6,) float64
         Drift from the first row to the last.
-    sway : (INTERVALS + 1, 3) float64
+    sway : (I + 1, 3) float64
         Rotation vectors of the shaking at the intervals' ends.
     shaken : bool
-        A shaking was looked for.
+        A shaking shows.
     """
 
     step: Array
@@ -135,6 +138,12 @@ class _Posteriors:
         return cls(weight, mean, np.ascontiguousarray(inverse[:, :6, :6]))
 
 
+def intervals_over(first: float, last: float) -> tuple[float, float, int]:
+    """Where intervals of rows begin that cover some row times, their length and their number."""
+    count = INTERVALS if last - first > _FEW_ROWS else FEW_INTERVALS
+    return first - 1e-9, (last - first + 2e-9) / count, count
+
+
 def explain_rows(
     sums: RowSums, first: float, width: float, motion: Array, bounds: MotionBounds
 ) -> RowFit:
@@ -160,10 +169,11 @@ def explain_rows(
     normal, pull = _with_drift(normal, pull, sums, (starts, width), away)
     drift = _drifting(normal, pull, bounds)
     best = drift.mean[np.argmax(drift.log_weight)]
-    if _unrest(sums, (starts, width), best, away) <= _SHAKEN:
+    shaken = _unrest(sums, (starts, width), best, away) > _SHAKEN
+    if not shaken and width * count > _FEW_ROWS:
         return _mixed([drift], bounds, count)
     sway = _swaying((normal, pull), sums, (starts, width), away, bounds)
-    fit = _mixed([drift, sway], bounds, count)
+    fit = replace(_mixed([drift, sway], bounds, count), shaken=shaken)
     whole = np.concatenate([fit.step, fit.motion - bounds.expected])
     left = _unrest(sums, (starts, width), whole, away, fit.sway)
     return replace(fit, covariance=fit.covariance * max(1.0, left))
