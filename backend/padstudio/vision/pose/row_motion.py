@@ -36,8 +36,8 @@ _NO_DRIFT = 0.6
 # shutter rolls or in 24 ms.
 _CLIMB, _YAW, _MOST_CLIMB_S, _READOUT_MS = 8.0, 2.0, 0.5, 24.0
 # Standard deviations of a shaking, radians (0.01 … 0.4 degrees), and its lengths, frames.
-_SWAYS = np.array([2e-4, 4e-4, 8e-4, 1.6e-3, 3.2e-3, 6.4e-3])
-_LENGTHS = (0.05, 0.1, 0.2, 0.4)
+_SWAYS = np.array([2e-4, 6e-4, 2e-3, 6e-3])
+_LENGTHS = (0.05, 0.12, 0.3)
 # Sizes of the drift beside a shaking; shaking about the axis is less; and what keeps it definite.
 _DRIFT_BESIDE, _ROLL, _NUGGET = 4, 0.7, 1e-3
 # Squared shifts of single intervals over their variance from which a shaking is looked for; frames
@@ -130,12 +130,17 @@ class _Posteriors:
         """Solutions of normal equations (S, n, n) and what they make of their priors' weights."""
         unit = 1 / np.sqrt(np.einsum("sii->si", normal))
         scaled = normal * unit[:, :, None] * unit[:, None, :]
-        lower = np.linalg.cholesky(scaled + 1e-13 * np.eye(len(pull)))
-        inverse = np.linalg.inv(scaled) * unit[:, :, None] * unit[:, None, :]
+        scaled += 1e-13 * np.eye(len(pull))
+        lower = np.linalg.cholesky(scaled)
         spread = np.log(np.einsum("sii->si", lower) / unit).sum(axis=1)
-        mean = inverse @ pull
+        # Of the inverse the pose's six columns are enough.
+        right = np.zeros((*unit.shape, 7))
+        right[:, range(6), range(6)] = unit[:, :6]
+        right[:, :, 6] = unit * pull
+        found = np.linalg.solve(scaled, right) * unit[:, :, None]
+        mean = np.ascontiguousarray(found[:, :, 6])
         weight = log_prior + 0.5 * mean @ pull - spread
-        return cls(weight, mean, np.ascontiguousarray(inverse[:, :6, :6]))
+        return cls(weight, mean, np.ascontiguousarray(found[:, :6, :6]))
 
 
 def intervals_over(first: float, last: float) -> tuple[float, float, int]:
