@@ -13,7 +13,7 @@ solution for the best rotation to relate two sets of vectors. doi:10.1107/S05677
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -27,6 +27,8 @@ _ORDER, _PLACES = 6, 15
 _POWERS = np.array([(i, j) for i in range(_ORDER + 1) for j in range(_ORDER + 1 - i)])
 # Chebyshev coefficients of the slopes of Chebyshev polynomials, one a column.
 _SLOPES = np.vstack([chebyshev.chebder(np.eye(_ORDER + 1)), np.zeros(_ORDER + 1)])
+_SIDE = np.linspace(-1, 1, _PLACES)
+_WITHIN = np.stack(np.meshgrid(_SIDE, _SIDE), axis=-1).reshape(-1, 2)
 # Rigid motions change no length; this little weight keeps them small.
 _RIGID_WEIGHT = 1e-6
 
@@ -143,8 +145,7 @@ class Grid:
     """
 
     def __init__(self, middle: Array, half: Array) -> None:
-        side = np.linspace(-1, 1, _PLACES)
-        self._within = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        self._within = _WITHIN
         self._half = half
         #: (G, 2) float64: the places, mm.
         self.at = middle + self._within * half
@@ -162,12 +163,8 @@ class Grid:
         (2, P, M) float64
             Coefficients of polynomials, of the displacements along x and y.
         """
-        along_x, along_y = (_polynomials(self._within, axis) / self._half[axis] for axis in (0, 1))
-        nothing = np.zeros_like(along_x)
-        design = np.block([[along_x, nothing], [nothing, along_y], [along_y, along_x]])
-        normal = design.T @ design
-        normal[np.diag_indices_from(normal)] += _RIGID_WEIGHT / self._half.max() ** 2
-        found = -solve(normal, design.T @ strain).reshape(2, len(_POWERS), -1)
+        keeping = _keeping(float(self._half[0]), float(self._half[1]))
+        found = (keeping @ strain).reshape(2, len(_POWERS), -1)
         x, y = (self._within * self._half).T
         u, v = _polynomials(self._within) @ found
         turn = (x @ v - y @ u) / (x @ x + y @ y)
@@ -177,6 +174,17 @@ class Grid:
         return found
 
 
+@lru_cache(maxsize=8)
+def _keeping(half_x: float, half_y: float) -> Array:
+    """What makes coefficients (2 P,) of strains (3 G,) at the places of a box, by least squares."""
+    along_x, along_y = _polynomials(_WITHIN, 0) / half_x, _polynomials(_WITHIN, 1) / half_y
+    nothing = np.zeros_like(along_x)
+    design = np.block([[along_x, nothing], [nothing, along_y], [along_y, along_x]])
+    normal = design.T @ design
+    normal[np.diag_indices_from(normal)] += _RIGID_WEIGHT / max(half_x, half_y) ** 2
+    return -solve(normal, design.T)
+
+
 def _row(power_x: int, power_y: int) -> int:
     """Where a product of two polynomials stands among the coefficients."""
     return int(np.flatnonzero((_POWERS[:, 0] == power_x) & (_POWERS[:, 1] == power_y))[0])
@@ -184,10 +192,10 @@ def _row(power_x: int, power_y: int) -> int:
 
 def _polynomials(within: Array, slope: int | None = None) -> Array:
     """Products of Chebyshev polynomials, or their slopes along an axis, at points (N, 2)."""
-    out = np.ones((len(within), len(_POWERS)))
+    parts = []
     for axis in range(2):
         one = chebyshev.chebvander(within[:, axis], _ORDER)
         if slope == axis:
             one = one @ _SLOPES
-        out *= one[:, _POWERS[:, axis]]
-    return out
+        parts.append(np.ascontiguousarray(one.T)[_POWERS[:, axis]])
+    return np.asarray((parts[0] * parts[1]).T)
