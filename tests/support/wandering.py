@@ -9,7 +9,7 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.geometry.curvature import with_curvature
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_from_vector
-from padstudio.vision.fusion.pose_filter import Measurement
+from padstudio.vision.fusion.measurement import Measurement
 
 
 @dataclass(frozen=True)

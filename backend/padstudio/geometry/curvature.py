@@ -48,19 +48,21 @@ def without_curvature(covariance: Array, pose: Pose) -> Array:
     out = covariance.copy()
     out[:3, :3] -= _second_moment(covariance[3:, 3:], pose)
     unit = 1 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    least = np.linalg.eigvalsh(out * np.outer(unit, unit))[0]
-    return out if least > 0 else covariance
+    try:
+        np.linalg.cholesky(out * np.outer(unit, unit))
+    except np.linalg.LinAlgError:
+        return covariance
+    return out
 
 
 def _second_moment(attitude: Array, pose: Pose) -> Array:
-    """Of ½ θ × (θ × t) in the pad frame, (3, 3), for θ of a covariance (3, 3)."""
-    centre = pose.tvec_mm
-    # Component i of ½ (θ (θ·t) − t |θ|²) is ½ θᵀ A_i θ.
-    forms = -centre[:, None, None] * np.eye(3)
-    for i in range(3):
-        forms[i, i, :] += centre / 2
-        forms[i, :, i] += centre / 2
-    spread = forms @ attitude
-    mean = np.trace(spread, axis1=1, axis2=2) / 2
-    covariance = np.einsum("iab,jba->ij", spread, spread) / 2
-    return np.asarray(pose.rotation @ (covariance + np.outer(mean, mean)) @ pose.rotation.T)
+    """Of ½ θ × (θ × t) in the pad frame, (3, 3), for θ of a covariance (3, 3).
+
+    By Isserlis' theorem, of ½ (θ (θ·t) − t |θ|²).
+    """
+    centre, trace = pose.tvec_mm, float(attitude.trace())
+    pull = attitude @ centre
+    mixed = np.outer(trace * pull + 2 * attitude @ pull, centre)
+    out = float(centre @ pull) * attitude + 2 * np.outer(pull, pull) - mixed - mixed.T
+    out += (trace**2 + 2 * float((attitude * attitude).sum())) * np.outer(centre, centre)
+    return np.asarray(pose.rotation @ (out / 4) @ pose.rotation.T)

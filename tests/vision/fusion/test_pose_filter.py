@@ -9,15 +9,11 @@ import numpy as np
 import pytest
 from wandering import Wandering, normalized_error, position_error
 
+from padstudio.geometry.curvature import with_curvature
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg, rotation_from_vector
+from padstudio.vision.fusion.measurement import Fused, Measurement, pose_by_seen
 from padstudio.vision.fusion.motion import MotionModel
-from padstudio.vision.fusion.pose_filter import (
-    REBELS,
-    FilterState,
-    Fused,
-    Measurement,
-    PoseFilter,
-)
+from padstudio.vision.fusion.pose_filter import REBELS, FilterState, PoseFilter
 from padstudio.vision.fusion.smoother import fuse
 
 FAR = Wandering()
@@ -75,6 +71,29 @@ def test_first_frame_says_what_it_says_alone() -> None:
     assert np.allclose(fused.pose.position_mm, frame.pose.position_mm)
     assert np.allclose(fused.pose.rotation, frame.pose.rotation)
     assert np.allclose(fused.covariance, frame.covariance)
+
+
+def test_attitudes_that_are_less_sure_than_they_say_are_found_out() -> None:
+    wandering = replace(FAR, height_mm=3000.0, share=0.0)
+    nees, single = [], []
+    for seed in range(4):
+        frames, truth = wandering.frames(200, seed)
+        sure = [replace(f, covariance=_surer(f, 5.0)) for f in frames]
+        for fused, frame, pose in list(zip(fused_of(sure), sure, truth, strict=True))[30:]:
+            nees.append(normalized_error(pose, fused.pose, fused.covariance))
+            single.append(normalized_error(pose, frame.pose, frame.covariance))
+    assert np.median(single) > 5
+    assert np.median(nees) < 2
+
+
+def _surer(frame: Measurement, times: float) -> np.ndarray:
+    """The covariance of a frame that makes more of its attitude than it knows."""
+    _, _, seen = frame.seen
+    seen = seen.copy()
+    seen[3:] /= times
+    seen[:, 3:] /= times
+    by_seen = pose_by_seen(frame.pose)
+    return with_curvature(by_seen @ seen @ by_seen.T, frame.pose)
 
 
 def test_outlier_is_not_believed_and_leaves_no_trace() -> None:

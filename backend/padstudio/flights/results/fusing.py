@@ -16,7 +16,8 @@ from padstudio.arrays import Array
 from padstudio.flights.results.completed import completed
 from padstudio.flights.results.rows import rotation_of
 from padstudio.geometry.pose import Pose
-from padstudio.vision.fusion.pose_filter import Fused, Measurement, PoseFilter
+from padstudio.vision.fusion.measurement import Fused, Measurement
+from padstudio.vision.fusion.pose_filter import PoseFilter
 from padstudio.vision.fusion.smoother import fuse
 from padstudio.vision.stage.detection import Uncertainty, pose_fields, uncertainty_fields
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import chain, repeat
 
-from padstudio.vision.fusion.pose_filter import Measurement, PoseFilter
+from padstudio.vision.fusion.measurement import Measurement
+from padstudio.vision.fusion.pose_filter import PoseFilter
 from padstudio.vision.fusion.smoother import fuse
 from padstudio.vision.stage.detection import Detection, Estimate, SinglePose, Uncertainty
 

@@ -91,7 +91,9 @@ class Sight(NamedTuple):
     before : (21, 21) float64
         Covariance of state and shaking without the frame.
     distance : float
-        Squared Mahalanobis distance of the innovation.
+        Squared Mahalanobis distance of the innovation,
+    centre_distance : float
+        and of the pad's centre alone.
     """
 
     innovation: Array
@@ -100,6 +102,7 @@ class Sight(NamedTuple):
     noise: Array
     before: Array
     distance: float
+    centre_distance: float
 
 
 @fast_jit
@@ -207,13 +210,27 @@ def sighted(
             innovation[i] -= observed[i, 12 + j] * track.lasting[j]
     own = doubt * (1 - noise.share) * seen
     cross = product(observed, before)
-    whole = lower_root(own + product(cross, observed.T.copy()))
-    gain = solved(whole, cross).T.copy()
+    total = own + product(cross, observed.T.copy())
+    gain = solved(lower_root(total), cross).T.copy()
+    return Sight(
+        innovation,
+        gain,
+        observed,
+        own,
+        before,
+        squared_distance(total, innovation),
+        squared_distance(total[:3, :3].copy(), innovation[:3].copy()),
+    )
+
+
+@fast_jit
+def squared_distance(covariance: Array, innovation: Array) -> float:
+    """Mahalanobis distance, squared."""
+    likely = solved(lower_root(covariance), innovation.reshape(len(innovation), 1))
     distance = 0.0
-    likely = solved(whole, innovation.copy().reshape(6, 1))
-    for i in range(6):
+    for i in range(len(innovation)):
         distance += innovation[i] * likely[i, 0]
-    return Sight(innovation, gain, observed, own, before, distance)
+    return distance
 
 
 @fast_jit

@@ -19,7 +19,8 @@ from typing import Generic, TypeVar
 
 from padstudio.vision.fusion import kernel
 from padstudio.vision.fusion.kernel import Track
-from padstudio.vision.fusion.pose_filter import Fused, Link, Measurement, PoseFilter
+from padstudio.vision.fusion.measurement import Fused, Measurement
+from padstudio.vision.fusion.pose_filter import Link, PoseFilter
 
 T = TypeVar("T")
 
