@@ -7,7 +7,7 @@ from paper_frames import errors, frame_of, paper_camera, sample_pad
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.detector import Detector
-from padstudio.vision.stage.trace import STAGES, StageFailure
+from padstudio.vision.stage.trace import STAGES, Reason, StageFailure
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,25 @@ def test_every_heading_is_told_apart(detector):
         found = detector.detect(frame_of(pose))
         assert found.ok, found.failure
         assert errors(found.pose, pose)[0] < 1.0
+
+
+@pytest.mark.parametrize("height_mm", [500.0, 900.0])
+def test_exchanged_channels_give_no_pose_and_are_named(detector, height_mm):
+    """The pad's layers share a code: the fine one in the blue channel reads as the coarse one."""
+    pose = look_at_pad(height_mm, tilt_deg=10, heading_deg=80, target_mm=(-300, 300))
+    frame = frame_of(pose)
+    assert detector.detect(frame).ok
+    found = detector.detect(np.ascontiguousarray(frame[:, :, ::-1]))
+    assert not found.ok
+    assert found.failure.reason is Reason.CHANNELS_SWAPPED
+
+
+@pytest.mark.parametrize("height_mm", [200.0, 700.0])
+def test_a_grey_picture_gives_no_pose_of_another_scale(detector, height_mm):
+    pose = look_at_pad(height_mm, tilt_deg=10, heading_deg=80, target_mm=(-450, 450))
+    grey = frame_of(pose).mean(axis=2, keepdims=True).astype(np.uint8)
+    found = detector.detect(np.repeat(grey, 3, axis=2))
+    assert not found.ok or errors(found.pose, pose)[0] < 2
 
 
 def foreign_pad():

@@ -20,6 +20,8 @@ import numpy as np
 
 from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.pose import Pose
+from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.baseline.central_window import central_window
 from padstudio.vision.baseline.decode import WindowDecoder, WindowRead
@@ -27,6 +29,8 @@ from padstudio.vision.baseline.edges import find_edge_map
 from padstudio.vision.baseline.hough import find_merged_lines
 from padstudio.vision.baseline.line_grid import LineGrid, find_line_grid
 from padstudio.vision.baseline.pose import WindowPose, choose_larger, window_pose
+from padstudio.vision.cells.layer_read import LayerRead, read_layer
+from padstudio.vision.dense.scales import doubt
 from padstudio.vision.frame.block_mean import block_mean, clean
 from padstudio.vision.frame.diagnosis import diagnose, examine
 from padstudio.vision.frame.prepare import Stretch, take_channel
@@ -38,9 +42,10 @@ from padstudio.vision.outline.quadrilateral import (
     find_outline,
     outline_pose,
 )
+from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.params import DetectorParams
-from padstudio.vision.stage.trace import Recorder, StageFailure
+from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 LayerName = Literal["red", "green", "blue", "outline"]
 
@@ -78,6 +83,8 @@ class Baseline:
         regions = seen.regions
         frame = _Frame(seen.pyramid, seen.camera, seen.stretch, regions[0], recorder)
         outline = self._from_outlines(frame, regions)
+        if isinstance(outline, StageFailure) and outline.reason is Reason.CHANNELS_SWAPPED:
+            return Detection(None, outline)
         if isinstance(outline, OutlinePose):
             # A whole sign is larger than any window of it, and the larger area wins.
             if recorder.keep:
@@ -85,7 +92,7 @@ class Baseline:
             recorder.note("pose", None, outline)
             return _detection(outline, "outline")
         found = self._from_windows(frame, regions, outline)
-        if found.failure is None:
+        if found.failure is None or found.failure.reason is Reason.CHANNELS_SWAPPED:
             return found
         return Detection(None, diagnose(seen, found.failure))
 
@@ -103,6 +110,11 @@ class Baseline:
         for region in regions:
             found = self._from_outline(replace(frame, region=region))
             if isinstance(found, OutlinePose):
+                fault = self._doubt(frame, found.pose, found.read)
+                if fault is None:
+                    return found
+                found = fault
+            if found.reason is Reason.CHANNELS_SWAPPED:
                 return found
             first = first or found
         assert first is not None
@@ -136,6 +148,8 @@ class Baseline:
                 found = self._from_window(local, level, attempts)
                 if isinstance(found, WindowPose):
                     return _detection(found, found.read.layer.channel)
+                if found.reason is Reason.CHANNELS_SWAPPED:
+                    return Detection(None, found)
                 nearest = max(nearest, found, key=_progress)
         return Detection(None, nearest)
 
@@ -144,10 +158,19 @@ class Baseline:
         if not reads:
             return max(failures, key=_progress)
         choice = frame.recorder.run("choose", None, choose_larger, reads)
-        params = self.params.paper
-        return frame.recorder.run(
-            "pose", None, window_pose, self.pad, frame.camera, choice.read, params
-        )
+        run, params, layer = frame.recorder.run, self.params.paper, choice.read.layer
+        posed = run("pose", None, window_pose, self.pad, frame.camera, choice.read, params)
+        if isinstance(posed, StageFailure):
+            return posed
+        pose = MovingPose(posed.pose)
+        cells = read_layer(frame.pyramid, frame.camera, self.pad, layer, pose, attempts)
+        fault = None if cells is None else self._doubt(frame, posed.pose, cells)
+        return fault or posed
+
+    def _doubt(self, frame: _Frame, pose: Pose, read: LayerRead) -> StageFailure | None:
+        """What the channels show against a pose, where layers share a code (`dense.scales`)."""
+        refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, 1)
+        return frame.recorder.run("pose", None, doubt, refiner, MovingPose(pose), read)
 
     def _levels(self, frame: _Frame) -> Iterator[int]:
         """Scales of the frame, the coarser ones first: there lines are quick to find."""

@@ -73,6 +73,25 @@ def contradiction(refiner: Refiner, pose: MovingPose, read: LayerRead) -> StageF
     return _fault(_mixture(refiner, pose), other_scales(refiner.pad, read))
 
 
+def doubt(refiner: Refiner, pose: MovingPose, read: LayerRead) -> StageFailure | None:
+    """As `contradiction`; also where the same cells at another scale explain the frame better.
+
+    For methods that give one pose and do not refine another.
+    """
+    scales = other_scales(refiner.pad, read)
+    mixture = _mixture(refiner, pose)
+    fault = _fault(mixture, scales)
+    for scale in scales if fault or not _tells_all(mixture, refiner.pad) else ():
+        other = _mixture(refiner, rescaled(refiner.pad, pose, scale))
+        against = _fault(other, scales)
+        if against is not None and against.reason is Reason.CHANNELS_SWAPPED:
+            return against
+        if other is not None and against is None and _tells_more(other, mixture):
+            detail = f"the same cells {scale:g} times as large explain every channel better"
+            fault = fault or StageFailure("pose", Reason.POSE_REJECTED, detail)
+    return fault
+
+
 def other_scales(pad: Pad, read: LayerRead) -> tuple[float, ...]:
     """At which other scales the same cells could be read: in layers that begin with their code.
 
