@@ -34,6 +34,7 @@ from padstudio.vision.pose import edge_points_kernel, least_squares_kernel
 from padstudio.vision.pose.edge_points import EdgePoints, find_edge_points
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.least_squares import Fit, bounds_of
+from padstudio.vision.pose.pose_posterior import Explained
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
 
@@ -90,7 +91,8 @@ def flattened(refiner: Refiner, refined: RefinedPose) -> RefinedPose:
     before = common_px(rows[:, 0].copy(), -rows[:, 3], seen.weight)
     if not (before.deviations > _WORTH and before.px > _LEAST_COMMON_PX):
         return refined
-    found = _bent(refiner, telling, pose)
+    # Rows that were seen from different places pass for heights; the better explanation counts.
+    found = _bent(refiner, telling, pose, max(_LEAST_ODDS, refined.fit.shaking))
     if found is None:
         return refined
     fit, edge_points = found
@@ -119,12 +121,12 @@ def _telling(refiner: Refiner, refined: RefinedPose) -> _Telling | None:
 
 
 def _bent(
-    refiner: Refiner, telling: _Telling, pose: MovingPose
+    refiner: Refiner, telling: _Telling, pose: MovingPose, least_odds: float
 ) -> tuple[BentFit, EdgePoints] | None:
     """Pose and sheet, and the borders found where they put them; None where a flat sheet does."""
     camera, few = refiner.camera, telling.edge_points.thinned(_TELLING)
     fit, log_odds = first_bent(few, camera, pose.pose, max(refiner.pad.size_mm))
-    if log_odds < _LEAST_ODDS:
+    if log_odds < least_odds:
         return None
     for _ in range(_ROUNDS):
         edge_points = _measured(refiner, telling, fit)
@@ -204,8 +206,8 @@ def _answer(refiner: Refiner, edge_points: EdgePoints, fit: BentFit, points: Arr
     pose = MovingPose(fit.sheet.relative(fit.pose.pose, points))
     bounds = bounds_of(fit.pose, refiner.model(moving=False), edge_points.pixel)
 
-    def explain() -> tuple[MovingPose, Array]:
-        return pose, bent_covariance(edge_points, camera, fit, bounds)
+    def explain() -> Explained:
+        return Explained(pose, bent_covariance(edge_points, camera, fit, bounds))
 
     # Heights about the expected plane need not be level where only some of the sheet is seen.
     return Fit(pose, rms, inliers, explain, doubt=fit.pose.step_to(pose))

@@ -24,9 +24,8 @@ from padstudio.arrays import Array
 TILES = 8
 # Scatter over what independent residuals would have; fewer tiles than needed may show less.
 _LEAST_SCATTER = 0.5
-# Robustly weighted residuals of a normal law scatter by 0.4; fewer show less by chance. Residuals
-# near each other raise that by no more than such a factor.
-_LEAST_NOISE, _MOST_ALIKE = 0.35, 1.3
+# Robustly weighted residuals of a normal law scatter by 0.4; fewer show less by chance.
+_LEAST_NOISE = 0.35
 # Pixels scatter alike as they share light, mosaic and compression: by 0.6 … 3.5 in frames at rest.
 _LEAST_PATTERN_NOISE, _MOST_PATTERN_NOISE = 0.6, 3.5
 # A covariance grows by no more than the inverse of this, as of `newton_share`.
@@ -58,7 +57,9 @@ def least_share(share: float) -> float:
     return max(share, _LEAST_SHARE)
 
 
-def noise_share(normal: Array, squares: Array, scores: Array, count: int) -> float:
+def noise_share(
+    normal: Array, squares: Array, scores: Array, count: int, most_alike: float
+) -> float:
     """Scatter of scores over that of residuals as large and as independent as assumed.
 
     Parameters
@@ -69,13 +70,15 @@ def noise_share(normal: Array, squares: Array, scores: Array, count: int) -> flo
         Sums of scores by tile.
     count : int
         Residuals.
+    most_alike : float
+        Residuals near each other raise the scatter of single ones by no more than this factor.
     """
     root = _inverse_root(normal)
     used = int(np.count_nonzero(scores.any(axis=1)))
     alone = np.einsum("ai,ab,bi->", root, squares, root) * count / max(count - 6, 1)
     near = ((scores @ root) ** 2).sum() * used / max(used - 6, 1)
     # Few tiles tell by chance a half more or less than there is.
-    return max(_LEAST_NOISE, float(alone) / 6, min(float(near), _MOST_ALIKE * float(alone)) / 6)
+    return max(_LEAST_NOISE, float(alone) / 6, min(float(near), most_alike * float(alone)) / 6)
 
 
 def pattern_noise(normal: Array, scores: Array) -> float:

@@ -28,7 +28,7 @@ from padstudio.vision.pose import alignment_kernel
 from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
 from padstudio.vision.pose.covariance import TILES, least_share, pattern_noise
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior, bounds_of
-from padstudio.vision.pose.pose_posterior import RowsSeen, explain_pattern
+from padstudio.vision.pose.pose_posterior import Explained, RowsSeen, explain_pattern
 from padstudio.vision.pose.row_motion import intervals_over
 from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
 from padstudio.vision.pose.template import OVERSAMPLING, on_pad, pixels_of, texture_of
@@ -197,20 +197,20 @@ class Match:
                 break
         return pose
 
-    def _explain(self, pose: MovingPose, model: MotionModel) -> tuple[MovingPose, Array]:
+    def _explain(self, pose: MovingPose, model: MotionModel) -> Explained:
         """The pose at the middle row, and its covariance (6, 6)."""
         parts = self._equations(pose, self._all, 6)
         bounds = bounds_of(pose, model, 1.0)
         sums, first, width = self._row_sums(pose, parts)
         blur = 0.0 if bounds.at_rest else self._blur_variance(pose)
         rows = RowsSeen(sums, first, width, blur)
-        settled, covariance = explain_pattern(pose, rows, self._focal_px, bounds)
+        settled, covariance, shaking = explain_pattern(pose, rows, self._focal_px, bounds)
         covariance = covariance + self._shape_doubt(pose)
         other = self._mirrored(pose, MotionPrior.of(pose, model), _noise(parts))
         if other is not None:
             step, share = other
             covariance = covariance + share * np.outer(step, step)
-        return settled, covariance
+        return Explained(settled, covariance, shaking)
 
     def _mirrored(
         self, pose: MovingPose, prior: MotionPrior, noise: float

@@ -33,7 +33,7 @@ from padstudio.vision.pose import least_squares_kernel
 from padstudio.vision.pose.covariance import pose_covariance
 from padstudio.vision.pose.edge_points import LEAST_BORDERS, EdgePoints
 from padstudio.vision.pose.least_squares_kernel import Sightings
-from padstudio.vision.pose.pose_posterior import explain_edges
+from padstudio.vision.pose.pose_posterior import Explained, explain_edges
 from padstudio.vision.pose.row_motion import MotionBounds
 
 # Expected change while a frame is read: of position, sideways and in height, as a share of height,
@@ -80,22 +80,27 @@ class Fit:
     pose: MovingPose
     rms_px: float
     inliers: NDArray[np.bool_]
-    explain: Callable[[], tuple[MovingPose, Array]]
+    explain: Callable[[], Explained]
     doubt: Array = field(default_factory=lambda: np.zeros(6))
 
     @cached_property
     def covariance(self) -> Array:
         """(6, 6) float64: centre (mm, pad frame), then attitude (radians, camera axes)."""
-        return self._explained[1] + np.outer(self.doubt, self.doubt)
+        return self._explained.covariance + np.outer(self.doubt, self.doubt)
 
     @cached_property
-    def _explained(self) -> tuple[MovingPose, Array]:
+    def _explained(self) -> Explained:
         return self.explain()
+
+    @property
+    def shaking(self) -> float:
+        """Natural logarithm of the odds that the camera shook while the shutter rolled."""
+        return self._explained.shaking
 
     def settled(self) -> Fit:
         """With the pose that `covariance` is of: the mean over all motions that may be."""
         explained = self._explained
-        return replace(self, pose=explained[0], explain=lambda: explained)
+        return replace(self, pose=explained.pose, explain=lambda: explained)
 
 
 @dataclass(frozen=True)
@@ -170,7 +175,7 @@ def fit_pose(
 
     settled = MovingPose.of(found.pose)
 
-    def explain() -> tuple[MovingPose, Array]:
+    def explain() -> Explained:
         bounds = bounds_of(settled, model, edge_points.pixel)
         return explain_edges(settled, edge_points, (found, seen), camera, bounds)
 

@@ -28,11 +28,35 @@ _SHARP_WITHIN, _BLUR_GAIN = 0.2, 3.0
 # A sharp picture is blurrier than the pattern by no more than this, frame pixels squared; and the
 # motion's variance is so many times what a small change of the blur would explain.
 _PATTERN_WITHIN, _PATTERN_GAIN = 0.42, 2.0
+# Residuals near each other are more alike than single ones by no more than such a factor, while
+# motion may be what makes them so.
+_MOST_ALIKE = 1.3
+# A profile measures a step that is off by less than this share of a cell, a pattern by less than
+# its blur.
+_EDGE_RANGE, _PATTERN_RANGE_PX = 0.21, 1.0
 # Blurs about both axes are alike, unless their steps say otherwise with this share of their weight.
 _ALIKE = 0.05
 # What lens model and sensor leave over stretches a picture by so much, and by so much a pixel of
 # blur.
 _STRETCH, _BLURRED_STRETCH = 2.5e-5, 1e-4
+
+
+class Explained(NamedTuple):
+    """A pose and how sure it is.
+
+    Attributes
+    ----------
+    pose : MovingPose
+        At the middle row.
+    covariance : (6, 6) float64
+    shaking : float
+        Natural logarithm of the odds that the camera shook while the shutter rolled; 0 where
+        nothing says so.
+    """
+
+    pose: MovingPose
+    covariance: Array
+    shaking: float = 0.0
 
 
 def explain_edges(
@@ -41,8 +65,8 @@ def explain_edges(
     fitted: tuple[Solution, Sightings],
     camera: Camera,
     bounds: MotionBounds,
-) -> tuple[MovingPose, Array]:
-    """The pose at the middle row, and its covariance (6, 6).
+) -> Explained:
+    """The pose at the middle row, and how sure it is.
 
     Parameters
     ----------
@@ -59,7 +83,8 @@ def explain_edges(
     seen = seen._replace(row_time=row_time)
     measured = _Measured(found.rows, seen, edge_points)
     motion = np.concatenate([pose.shift_mm, pose.rotvec])
-    fit = measured.explain(found.rows[:, 0], np.zeros(len(row_time)), motion, bounds)
+    fit = measured.explain(found.rows[:, 0], None, motion, bounds)
+    shaking = fit.log_odds if fit.shaken else 0.0
     if fit.shaken:
         predicted = measured.predict(fit, motion)
         fit = measured.explain(found.rows[:, 0] - predicted, predicted, motion, bounds)
@@ -67,7 +92,10 @@ def explain_edges(
     if fit.shaken or not pose.still:
         step = np.concatenate([step, fit.motion - motion])
     blur = np.zeros(3) if bounds.at_rest else _blur_variance(found.rows, edge_points)
-    return pose.moved(step), _widened(fit.covariance, blur, bounds.height_mm, camera.focal_px)
+    cell_px = np.linalg.norm(edge_points.borders.across_mm[0]) * camera.focal_px / bounds.height_mm
+    covariance = fit.covariance * _beyond(fit, camera.focal_px, _EDGE_RANGE * float(cell_px))
+    covariance = _widened(covariance, blur, bounds.height_mm, camera.focal_px)
+    return Explained(pose.moved(step), covariance, shaking)
 
 
 class RowsSeen(NamedTuple):
@@ -91,7 +119,7 @@ class RowsSeen(NamedTuple):
 
 def explain_pattern(
     pose: MovingPose, rows: RowsSeen, focal_px: float, bounds: MotionBounds
-) -> tuple[MovingPose, Array]:
+) -> Explained:
     """As `explain_edges`, of a pose that a pattern was matched with."""
     motion = np.concatenate([pose.shift_mm, pose.rotvec])
     fit = explain_rows(rows.sums, rows.first, rows.width, motion, bounds)
@@ -99,7 +127,21 @@ def explain_pattern(
     if fit.shaken or not pose.still:
         step = np.concatenate([step, fit.motion - motion])
     turn = _PATTERN_GAIN * max(0.0, rows.blur_px2 - _PATTERN_WITHIN) / focal_px**2
-    return pose.moved(step), _widened(fit.covariance, np.full(3, turn), bounds.height_mm, focal_px)
+    covariance = fit.covariance * _beyond(fit, focal_px, _PATTERN_RANGE_PX)
+    covariance = _widened(covariance, np.full(3, turn), bounds.height_mm, focal_px)
+    return Explained(pose.moved(step), covariance, fit.log_odds if fit.shaken else 0.0)
+
+
+def _beyond(fit: RowFit, focal_px: float, range_px: float) -> float:
+    """By how much variances grow where a shaking exceeds what is measured straight.
+
+    Steps further off than a profile reaches are found elsewhere or not at all, and a pattern's
+    slopes end where its steps do.
+    """
+    if not fit.shaken:
+        return 1.0
+    sway = fit.sway[:, :2] - fit.sway[:, :2].mean(axis=0)
+    return 1.0 + float((sway**2).sum(axis=1).mean()) * (focal_px / range_px) ** 2
 
 
 class _Measured:
@@ -113,7 +155,9 @@ class _Measured:
         time = seen.row_time
         self._first, self._width, self._count = intervals_over(float(time.min()), float(time.max()))
 
-    def explain(self, left: Array, predicted: Array, motion: Array, bounds: MotionBounds) -> RowFit:
+    def explain(
+        self, left: Array, predicted: Array | None, motion: Array, bounds: MotionBounds
+    ) -> RowFit:
         """`explain_rows`, where residuals are what is left (N,) over what was predicted (N,)."""
         weight = self._seen.weight
         sigma = scatter(left.copy(), weight)
@@ -122,8 +166,9 @@ class _Measured:
         share = newton_share(robust, weight)
         rows = self._rows.copy()
         rows[:, 0] = left
-        noise = noise_share(*noise_sums(rows, trust, self._tile, TILES**2), len(rows))
-        rows[:, 0] = left + share * predicted
+        most = _MOST_ALIKE if predicted is None else np.inf
+        noise = noise_share(*noise_sums(rows, trust, self._tile, TILES**2), len(rows), most)
+        rows[:, 0] = left if predicted is None else left + share * predicted
         sums = row_sums(
             rows, self._sides, self._seen.row_time, trust, self._first, self._width, self._count
         )

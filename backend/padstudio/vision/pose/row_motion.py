@@ -108,6 +108,8 @@ class RowFit:
         Rotation vectors of the shaking at the intervals' ends.
     shaken : bool
         A shaking shows.
+    log_odds : float
+        Natural logarithm of a shaking's odds against none, where it was looked for.
     """
 
     step: Array
@@ -115,6 +117,7 @@ class RowFit:
     motion: Array
     sway: Array
     shaken: bool
+    log_odds: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +184,8 @@ def explain_rows(
     fit = replace(_mixed([drift, sway], bounds, count), shaken=shaken)
     whole = np.concatenate([fit.step, fit.motion - bounds.expected])
     left = _unrest(sums, (starts, width), whole, away, fit.sway)
-    return replace(fit, covariance=fit.covariance * max(1.0, left))
+    log_odds = float(sway.log_weight.max() - drift.log_weight.max())
+    return replace(fit, covariance=fit.covariance * max(1.0, left), log_odds=log_odds)
 
 
 def _static(sums: RowSums, bounds: MotionBounds) -> tuple[Array, Array]:
