@@ -16,7 +16,8 @@ from padstudio.vision.frame.block_mean import block_mean, clean
 from padstudio.vision.frame.prepare import take_channel
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region
-from padstudio.vision.search.search import Miss, Search, find, place
+from padstudio.vision.search.looks import Search
+from padstudio.vision.search.search import Miss, find, place
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 # A cell is this wide where its layer is shown, pixels of the plane.
@@ -63,7 +64,7 @@ def explain(
 
 def _run(frame: Search, region: Region, level: int, channel: Channel, *, known: bool) -> None:
     """The search in one channel; where its cells are known anyway, it need not find them."""
-    found = find(frame, region, level, channel, steep=False)
+    found = find(frame, frame.look(region, level, channel), steep=False)
     if isinstance(found, StageFailure):
         if not known:
             frame.recorder.note(found.stage, channel, found)

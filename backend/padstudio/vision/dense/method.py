@@ -22,6 +22,8 @@ where they find nothing; `Detector.track` takes 1, 7 and 8.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
@@ -48,7 +50,8 @@ from padstudio.vision.frame.prepare import prepare
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
-from padstudio.vision.search.search import Miss, Search, Sighting, sightings
+from padstudio.vision.search.looks import Search
+from padstudio.vision.search.search import Miss, Sighting, sightings
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
@@ -83,20 +86,25 @@ class Dense:
         frame = examine(bgr, self.pad, self.camera, self.params.prepare, recorder)
         pyramid, camera, stretch = frame.pyramid, frame.camera, frame.stretch
         search = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
-        most = self.params.outline.largest_px
-        small = [region for region in frame.regions[:-1] if region.box.side <= most]
-        found = self._by_outline(search, small)
+        # A small pad's sides cost less than its cells; where they do not tell, they come last.
+        first = self._small(frame.clear or frame.faint)
+        found = self._by_outline(search, first)
         if found is not None:
             return found
-        found, last = self._by_lattice(search, frame.regions)
+        found, last = self._by_lattice(search, frame.in_order())
         if found.failure is None or found.failure.reason is Reason.CHANNELS_SWAPPED:
             return found
-        far = self._from_afar(search, small)
+        faint = self._small(frame.faint) if frame.clear else []
+        far = self._by_outline(search, faint) or self._from_afar(search, first + faint)
         if far is not None:
             return far
         level = last.level if isinstance(last, Miss) else None
         explain(search, last.region, [], level)
         return Detection(None, find_misreading(search) or diagnose(frame, found.failure))
+
+    def _small(self, regions: list[Region]) -> list[Region]:
+        """Of some regions those that may show the whole pad."""
+        return [item for item in regions if item.box.side <= self.params.outline.largest_px]
 
     def follow(
         self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder
@@ -139,7 +147,7 @@ class Dense:
         return None
 
     def _by_lattice(
-        self, search: Search, regions: list[Region]
+        self, search: Search, regions: Iterable[Region]
     ) -> tuple[Detection, Sighting | Miss]:
         """The pose of the first lattice that bears one, or why there is none; and what was last."""
         failure: StageFailure | None = None

@@ -11,7 +11,8 @@ from dataclasses import replace
 from padstudio.pad.spec import Channel
 from padstudio.vision.cells.sampling import CellGrid
 from padstudio.vision.dense.scales import swapped
-from padstudio.vision.search.search import Search, read_lattice
+from padstudio.vision.search.looks import Search
+from padstudio.vision.search.search import read_lattice
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # The lattices with the most of their edges on lines are read again; others are seldom the pad's.

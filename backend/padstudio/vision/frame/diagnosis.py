@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -20,7 +21,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.prepare import Stretch, find_stretch, prepare
 from padstudio.vision.frame.pyramid import Box, Pyramid
-from padstudio.vision.frame.regions import Region, find_regions
+from padstudio.vision.frame.regions import Region, faint_regions, find_regions
 from padstudio.vision.stage.params import PrepareParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
@@ -37,6 +38,7 @@ _SHARP_STEP_PX = 2.0
 # two directions at right angles would make equal, is less than so much of that along it.
 _BLUR_PX = 6.0
 _BLUR_RATIO = 0.4
+_AXES = ((1, 0), (0, 1))
 # Correlation of two layers' channels, which are coded independently, from which inks are alike.
 _CROSSTALK = 0.8
 # Side of the part that is examined, pixels: many cells, and a few milliseconds.
@@ -62,6 +64,22 @@ class FrameEvidence:
     pad: Pad
     stretch: Stretch
     regions: list[Region]
+
+    @property
+    def clear(self) -> list[Region]:
+        """Regions of clear pad colour."""
+        return self.regions[:-1]
+
+    @cached_property
+    def faint(self) -> list[Region]:
+        """Regions of fainter marks."""
+        return faint_regions(self.pyramid, self.pad, self.clear)
+
+    def in_order(self) -> Iterator[Region]:
+        """All regions as they are looked at, each made when it is asked for."""
+        yield from self.clear
+        yield from self.faint
+        yield self.regions[-1]
 
     @property
     def box(self) -> Box:
@@ -181,12 +199,12 @@ def _blur(frame: FrameEvidence) -> Iterator[Finding]:
     if not frame.seen:
         return
     plane = _sample(frame)
-    energy = []
     angles = np.arange(0, 180, 15)
-    gx, gy = (cv2.Sobel(plane, cv2.CV_32F, *axes, ksize=3) / 8 for axes in ((1, 0), (0, 1)))
-    for angle in np.radians(angles):
-        slope = gx * math.cos(angle) + gy * math.sin(angle)
-        energy.append(float((slope * slope).mean()))
+    gx, gy = (cv2.Sobel(plane, cv2.CV_32F, *axes, ksize=3, scale=0.125) for axes in _AXES)
+    xx, xy, yy = (float(cv2.mean(a * b)[0]) for a, b in ((gx, gx), (gx, gy), (gy, gy)))
+    c, s = np.cos(np.radians(angles)), np.sin(np.radians(angles))
+    # The mean square of the slope along each direction.
+    energy = c * c * xx + 2 * c * s * xy + s * s * yy
     least, most = int(np.argmin(energy)), int(np.argmax(energy))
     if energy[most] < 1e-3 or energy[least] > _BLUR_RATIO * energy[most]:
         return

@@ -1,13 +1,14 @@
 """Where in the frame the pad can be: the dense method's part of the `clean` stage.
 
-A pad leaves one colour channel dark, ground does not: averaged over a few cells, the share of the
-unused channel in the light tells them apart whatever the brightness.
+By what a pad's picture is made of (`marks`), averaged over a few cells: clear colour first, fainter
+marks where that leads nowhere, the whole frame last.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -15,24 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.pad.spec import CHANNELS, Pad
+from padstudio.vision.frame.marks import (
+    LEAST_AREA,
+    Mask,
+    halfway,
+    likeness_of,
+    parted,
+    share_of,
+)
 from padstudio.vision.frame.pyramid import BGR_INDEX, Box, Pyramid
 
 # The mask is made at about this width: cells blend there, the pad's shape does not. At 170 and at
 # 680 one still of the score is lost.
 _MASK_WIDTH = 340
-# Least difference of either side from the threshold; below it the frame is all of a kind. Half of
-# it costs a quarter more time on frames without a pad, and finds no more stills of the score.
-_LEAST_SEPARATION = 0.018
-# A pad has at least this many pixels of the mask; the ground's share is this percentile. Halfway
-# between the two extremes serves a speck of a pad as well as one that fills the frame; the
-# percentiles 90 and 99 find the same stills of the score.
-_LEAST_AREA = 12
-_GROUND = 97
-# Added to the sum of channels, a few grey values each, so that noise in the dark is no colour;
-# 6 and 24 find the same stills of the score.
-_DARK = 12.0
 # Regions at the most. With the largest alone one still of the score is lost; 6 find no more.
 _MOST_REGIONS = 3
+# Of each faint mark so many; regions that share so much of their area are one.
+_MOST_FAINT, _SAME = 2, 0.7
 # A region's shape shows where its longer side has so many pixels; 30 and 120 find the same stills.
 _SHAPE_WIDTH = 60
 
@@ -82,7 +82,7 @@ def unused_channels(pad: Pad) -> list[int]:
 
 
 def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
-    """Parts of the frame that may hold the pad, the likeliest first, the whole frame last.
+    """Parts of the frame that have the pad's colour, the largest first, the whole frame last.
 
     Parameters
     ----------
@@ -95,36 +95,62 @@ def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
     list of Region
         Never empty.
     """
-    level = max(0, round(np.log2(pyramid.width / _MASK_WIDTH)))
-    whole = Region(pyramid.box, None, level)
+    level = _mask_level(pyramid)
     unused = unused_channels(pad)
-    if not unused:
-        return [whole]
-    dark = _dark_mask(pyramid.level(level), unused)
-    if dark is None:
-        return [whole]
-    largest = itertools.islice(_components(dark, 7), _MOST_REGIONS)
-    found = itertools.takewhile(lambda item: item[0][-1] >= _LEAST_AREA, largest)
-    return [*(_region(*item, level, pyramid) for item in found), whole]
+    dark = halfway(share_of(pyramid.level(level), unused)) if unused else None
+    found = [] if dark is None else _of_mask(dark, level, pyramid)
+    return [*found, Region(pyramid.box, None, level)]
 
 
-def _dark_mask(image: NDArray[np.uint8], unused: list[int]) -> NDArray[np.uint8] | None:
-    """(h, w) uint8 of 0 and 1, or None where the picture is all of one kind."""
-    blurred = cv2.blur(image.astype(np.float32), (3, 3))
-    weights = np.zeros((2, 3))
-    weights[0, unused], weights[1] = 1 / len(unused), 1
-    part, total = cv2.split(cv2.transform(blurred, weights))
-    share = np.asarray((part + _DARK / 3) / (total + _DARK))
-    low = float(np.partition(share, _LEAST_AREA, axis=None)[_LEAST_AREA])
-    high = float(np.percentile(share, _GROUND))
-    if high - low < 2 * _LEAST_SEPARATION:
-        return None
-    return np.asarray(share < (low + high) / 2, np.uint8)
+def faint_regions(pyramid: Pyramid, pad: Pad, known: Sequence[Region]) -> list[Region]:
+    """Parts of the frame that differ from the rest as a pad does, however little.
+
+    For a frame whose regions of clear colour hold no pad: fog and haze, faded ink, odd light.
+
+    Parameters
+    ----------
+    pyramid : Pyramid
+    pad : Pad
+    known : sequence of Region
+        What was looked at; regions much like one of them are left out.
+
+    Returns
+    -------
+    list of Region
+        At most two by each mark.
+    """
+    level = _mask_level(pyramid)
+    image, unused = pyramid.level(level), unused_channels(pad)
+    maps = [share_of(image, unused)] if unused else []
+    used = [BGR_INDEX[layer.channel] for layer in pad.layers]
+    maps.append(likeness_of(image, *[*used, *unused][:2]))
+    found: list[Region] = []
+    for values in maps:
+        apart = parted(values)
+        fresh = [] if apart is None else _of_mask(apart.mask, level, pyramid)[:_MOST_FAINT]
+        found += [item for item in fresh if not any(_alike(item, k) for k in [*known, *found])]
+    return found
 
 
-def _components(
-    dark: NDArray[np.uint8], closing: int
-) -> Iterator[tuple[list[int], NDArray[np.bool_]]]:
+def _mask_level(pyramid: Pyramid) -> int:
+    return max(0, round(math.log2(pyramid.width / _MASK_WIDTH)))
+
+
+def _of_mask(mask: Mask, level: int, pyramid: Pyramid) -> list[Region]:
+    """The largest parts of a mask."""
+    largest = itertools.islice(_components(mask, 7), _MOST_REGIONS)
+    found = itertools.takewhile(lambda item: item[0][-1] >= LEAST_AREA, largest)
+    return [_region(*item, level, pyramid) for item in found]
+
+
+def _alike(a: Region, b: Region) -> bool:
+    """True where two regions are mostly one."""
+    if a.mask is None or b.mask is None:
+        return False
+    return bool((a.mask & b.mask).sum() > _SAME * (a.mask | b.mask).sum())
+
+
+def _components(dark: Mask, closing: int) -> Iterator[tuple[list[int], NDArray[np.bool_]]]:
     """Connected parts of a mask without small holes, the largest first.
 
     Yields
@@ -167,7 +193,7 @@ def sharper(pyramid: Pyramid, pad: Pad, region: Region) -> Region:
     image = pyramid.level(level)
     x0, y0 = region.box.x0 >> level, region.box.y0 >> level
     x1, y1 = -(-region.box.x1 >> level), -(-region.box.y1 >> level)
-    dark = _dark_mask(image[y0:y1, x0:x1], unused_channels(pad))
+    dark = halfway(share_of(image[y0:y1, x0:x1], unused_channels(pad)))
     if dark is None:
         return region
     largest = next(_components(dark, 5), None)

@@ -21,7 +21,7 @@ from padstudio.vision.frame.pyramid import BGR_INDEX, Plane
 from padstudio.vision.overlays import baseline
 from padstudio.vision.overlays import canvas as drawing
 from padstudio.vision.pose.results import RefinedPose
-from padstudio.vision.search.edges import EdgeSet
+from padstudio.vision.search.edges import Steps
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies
 from padstudio.vision.stage.detection import Detection
@@ -128,7 +128,7 @@ def _paint_binary(trace: Trace, output: Binary, channel: Channel | None) -> Imag
     return drawing.enlarge(picture)[0]
 
 
-def _paint_edges(trace: Trace, output: EdgeSet, channel: Channel | None) -> Image:
+def _paint_edges(trace: Trace, output: Steps, channel: Channel | None) -> Image:
     dark = np.zeros((*output.plane.values.shape, 3), np.uint8)
     picture, factor = drawing.enlarge(dark)
     drawing.points(picture, output.plane.from_frame(output.xy), (255, 255, 255), factor)
@@ -193,7 +193,7 @@ _PAINTERS: dict[type, Callable[[Trace, Any, Channel | None], Image]] = {
     Unmixed: _paint_unmix,
     Plane: _paint_plane,
     Binary: _paint_binary,
-    EdgeSet: _paint_edges,
+    Steps: _paint_edges,
     LineFamilies: _paint_lines,
     Lattice: _paint_lattice,
     Placement: _paint_placement,

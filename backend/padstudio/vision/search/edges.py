@@ -12,6 +12,7 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import cross
 from padstudio.vision.frame.pyramid import Plane
+from padstudio.vision.search import edges_kernel
 from padstudio.vision.stage.params import SearchParams
 
 # A step counts where it is this much above the mean step of its neighbourhood, a square of so many
@@ -55,7 +56,46 @@ class EdgeSet:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Points on brightness steps as the picture alone shows them.
+
+    Attributes
+    ----------
+    xy : (N, 2) float64
+        Frame pixels.
+    tangent : (N, 2) float64
+        Along the steps, one pixel of the plane long, frame pixels.
+    strength : (N,) float64
+    plane : Plane
+    """
+
+    xy: Array
+    tangent: Array
+    strength: Array
+    plane: Plane
+
+    def take(self, which: NDArray[np.bool_] | slice) -> Steps:
+        """Some of the steps."""
+        return Steps(self.xy[which], self.tangent[which], self.strength[which], self.plane)
+
+    def thinned(self, most: int) -> Steps:
+        """At most so many, evenly spread."""
+        return self.take(slice(None, None, max(1, -(-len(self.xy) // most))))
+
+    def lifted(self, camera: Camera) -> EdgeSet:
+        """The steps as the camera's rays see them; those without a ray are left out."""
+        rays, lines, seen = _tangent_planes(camera, self.xy, self.tangent)
+        edges = EdgeSet(self.xy, rays, lines, self.strength, self.plane)
+        return edges if seen.all() else edges.take(seen)
+
+
 def find_edges(plane: Plane, camera: Camera, params: SearchParams) -> EdgeSet:
+    """`find_steps` as the camera's rays see them."""
+    return find_steps(plane, params).lifted(camera)
+
+
+def find_steps(plane: Plane, params: SearchParams) -> Steps:
     """Thin, sub-pixel edge points of a plane.
 
     Gradients by Scharr, kept where they are the largest along the gradient's main axis
@@ -65,8 +105,6 @@ def find_edges(plane: Plane, camera: Camera, params: SearchParams) -> EdgeSet:
     Parameters
     ----------
     plane : Plane
-    camera : Camera
-        Undistorts the points.
     params : SearchParams
 
     References
@@ -79,42 +117,11 @@ def find_edges(plane: Plane, camera: Camera, params: SearchParams) -> EdgeSet:
     gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0, scale=1 / 32), np.float32)
     gy = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1, scale=1 / 32), np.float32)
     size = np.asarray(cv2.magnitude(gx, gy), np.float32)
-    floor = np.maximum(
-        _OVER_LOCAL * cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD)), params.least_step
-    )
-    y, x, along_x = _peaks(gx, gy, size, floor)
-    stride = max(1, -(-len(y) // params.most_edges))
-    y, x, along_x = y[::stride], x[::stride], along_x[::stride]
-    here = size[y, x]
-    before = np.where(along_x, size[y, x - 1], size[y - 1, x])
-    after = np.where(along_x, size[y, x + 1], size[y + 1, x])
-    bend = np.minimum(before + after - 2 * here, -1e-6)
-    shift = np.clip(0.5 * (before - after) / bend, -0.5, 0.5)
-    local = np.stack([x + shift * along_x, y + shift * ~along_x], axis=1).astype(float)
-    tangent = np.stack([-gy[y, x], gx[y, x]], axis=1).astype(float) / here[:, None]
-    xy = plane.to_frame(local)
-    rays, lines, seen = _tangent_planes(camera, xy, tangent * plane.pixel)
-    edges = EdgeSet(xy, rays, lines, here.astype(float), plane)
-    return edges if seen.all() else edges.take(seen)
-
-
-def _peaks(
-    gx: NDArray[np.float32],
-    gy: NDArray[np.float32],
-    size: NDArray[np.float32],
-    floor: NDArray[np.float32],
-) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
-    """Rows and columns of gradient maxima along the gradient's main axis, and which axis it is."""
-    centre = size[1:-1, 1:-1]
-    strong = centre > floor[1:-1, 1:-1]
-    y, x = np.nonzero(strong)
-    y, x = y + 1, x + 1
-    along_x = np.abs(gx[y, x]) >= np.abs(gy[y, x])
-    before = np.where(along_x, size[y, x - 1], size[y - 1, x])
-    after = np.where(along_x, size[y, x + 1], size[y + 1, x])
-    here = size[y, x]
-    keep = (here >= before) & (here > after)
-    return y[keep], x[keep], along_x[keep]
+    local_mean = cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD))
+    floor = np.maximum(np.float32(_OVER_LOCAL) * local_mean, np.float32(params.least_step))
+    found = edges_kernel.find_peaks(gx, gy, size, floor, params.most_edges)
+    local, tangent, strength = found
+    return Steps(plane.to_frame(local), tangent * plane.pixel, strength, plane)
 
 
 def _tangent_planes(

@@ -33,10 +33,12 @@ from padstudio.vision.search.edges import EdgeSet
 # leads to the maximum; denser where foreshortening is strong.
 _LOW_RINGS = ((12, 6), (23, 11), (33, 15), (42, 20))
 _HIGH_RINGS = ((50, 24), (57, 30), (63, 36), (68, 42), (72, 48), (76, 54))
-# Edges that choose the starts, and that the climb from each of so many takes. Half and twice as
-# many find the same stills of the score; 6 starts take half as long again on frames without a pad.
+# Edges that choose the starts and lead the climb from each of so many, and those that end it. Half
+# as many in the end lose one still of the score.
 _COARSE_EDGES, _FINE_EDGES = 800, 2000
 _STARTS = 3
+# A start of less than this share of the best one's coherence is not climbed from.
+_WORTH = 0.6
 # A coherence from which no other start need be tried, unless planes are steep.
 # 0.25 and 1 (never) find the same stills of the score.
 _CLEAR = 0.5
@@ -64,6 +66,11 @@ _LOW = np.concatenate([[[0.0, 0.0, 1.0]], _ring(_LOW_RINGS)])
 _HIGH = _ring(_HIGH_RINGS)
 
 
+def coherence_of(edges: EdgeSet, *, steep: bool) -> float:
+    """The best coherence of all candidate planes, 0 … 1; parameters as of `find_axes`."""
+    return float(_scores(edges, _rays(edges), steep).max())
+
+
 def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     """Candidate axes of the grid, the most coherent first.
 
@@ -78,14 +85,12 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     list of (coherence, axes)
         At most three; axes as in `LineFamilies`.
     """
-    rays = edges.rays / np.linalg.norm(edges.rays, axis=1, keepdims=True)
-    coarse = np.arange(0, len(rays), max(1, len(rays) // _COARSE_EDGES))
-    fine = np.arange(0, len(rays), max(1, len(rays) // _FINE_EDGES))
+    rays = _rays(edges)
     found: list[tuple[float, Array]] = []
-    normals = _HIGH if steep else _LOW
-    score = np.abs(kernels.coherence(normals, kernels.Edges(rays[coarse], edges.lines[coarse])))
+    normals, score = _HIGH if steep else _LOW, _scores(edges, rays, steep)
+    few, many = _some(edges, rays, _COARSE_EDGES), _some(edges, rays, _FINE_EDGES)
     for start in _distinct(normals, score):
-        found.append(kernels.climb(start, kernels.Edges(rays[fine], edges.lines[fine])))
+        found.append(kernels.climb(start, few, many))
         if found[-1][0] > _CLEAR and not steep:
             break
     found.sort(key=lambda item: -item[0])
@@ -96,9 +101,26 @@ def find_axes(edges: EdgeSet, *, steep: bool) -> list[tuple[float, Array]]:
     return kept[:_STARTS]
 
 
+def _rays(edges: EdgeSet) -> Array:
+    return np.asarray(edges.rays / np.linalg.norm(edges.rays, axis=1, keepdims=True))
+
+
+def _scores(edges: EdgeSet, rays: Array, steep: bool) -> Array:
+    """Coherence of each candidate plane by some of the edges."""
+    few = _some(edges, rays, _COARSE_EDGES)
+    return np.asarray(np.abs(kernels.coherence(_HIGH if steep else _LOW, few)))
+
+
+def _some(edges: EdgeSet, rays: Array, most: int) -> kernels.Edges:
+    some = np.arange(0, len(rays), max(1, len(rays) // most))
+    return kernels.Edges(rays[some], edges.lines[some])
+
+
 def _distinct(normals: Array, score: Array) -> list[Array]:
     starts: list[Array] = []
     for k in np.argsort(-score):
+        if score[k] < _WORTH * score.max():
+            break
         if all(normals[k] @ other < math.cos(math.radians(12)) for other in starts):
             starts.append(normals[k])
         if len(starts) == _STARTS:

@@ -22,6 +22,8 @@ LEAST_COSINE = 0.17
 # A climb begins with steps of about half the distance of starts, and ends where steps this small
 # lead nowhere.
 _FIRST_STEP_DEG, _LEAST_STEP_DEG = 6.0, 0.15
+# Steps above this are led by a few of the edges.
+_FINE_STEP_DEG = 1.0
 # Axes are turned to fit the edges' angles in the picture: first and last cut-off, radians, and
 # steps: the cut-off has reached its last value after half of them.
 _FIRST_CUT, _LAST_CUT, _TURNS = 0.25, 0.05, 16
@@ -81,10 +83,11 @@ def coherence(normals: Array, edges: Edges) -> NDArray[np.complex128]:
 
 
 @fast_jit
-def climb(normal: Array, edges: Edges) -> tuple[float, Array]:
+def climb(normal: Array, few: Edges, edges: Edges) -> tuple[float, Array]:
     """See `plane_normals`: the nearest maximum of coherence, and the axes (3, 3) there.
 
-    A normal walks there by shrinking steps; the axes are then turned until edges point along them.
+    A normal walks there by shrinking steps, the large ones by a few of the edges; the axes are then
+    turned until edges point along them.
     """
     around = np.empty((9, 3))
     best = normal.copy()
@@ -100,7 +103,7 @@ def climb(normal: Array, edges: Edges) -> tuple[float, Array]:
             a, b, c = x + i * s0 + j * t0, y + i * s1 + j * t1, z + i * s2 + j * t2
             norm = math.sqrt(a * a + b * b + c * c)
             around[k, 0], around[k, 1], around[k, 2] = a / norm, b / norm, c / norm
-        found = np.abs(coherence(around, edges))
+        found = np.abs(coherence(around, few if step_deg > _FINE_STEP_DEG else edges))
         k = int(np.argmax(found))
         if k == 0 or around[k, 2] < LEAST_COSINE:
             step_deg /= 2

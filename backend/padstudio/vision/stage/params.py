@@ -64,10 +64,15 @@ class SearchParams(_Group):
         16_000, 1000, 1_000_000, "",
         "More edge points than this are thinned evenly; fewer are faster, and lose small cells.",
     )  # fmt: skip
+    most_tries: int = parameter(
+        6, 1, 1000, "",
+        "So many looks of much promise are searched for a lattice at once, and as many of the rest "
+        "in the end; more reach worse frames, and take longer over frames without a pad.",
+    )  # fmt: skip
     most_unsure: int = parameter(
         6, 0, 1000, "",
-        "Of the lattices with much clutter between their lines so many are compared with the pad "
-        "in each round; more reach worse frames, and take longer over frames without a pad.",
+        "Of the lattices with much clutter between their lines so many are compared with the pad; "
+        "more reach worse frames, and take longer over frames without a pad.",
     )  # fmt: skip
 
 
