@@ -50,7 +50,7 @@ def test_blurred_cells_are_cells_through_a_gaussian():
         np.testing.assert_allclose(found[y], weight @ fine / 100, atol=2e-4)
 
 
-def equations(pose, shift_brightness, size, scale=0.0, seed=0):
+def equations(pose, shift_brightness, size, scale=0.0, seed=0, tiles=4):
     rng = np.random.default_rng(seed)
     n = 60
     rays = np.column_stack([rng.uniform(-0.1, 0.1, (n, 2)), np.ones(n)])
@@ -62,23 +62,24 @@ def equations(pose, shift_brightness, size, scale=0.0, seed=0):
         rays,
         rng.uniform(-0.5, 0.5, n),
         np.column_stack([np.ones(n), rng.uniform(-1, 1, (n, 5))]),
-        rng.integers(0, 4, n),
+        rng.integers(0, 4, n) % tiles,
         rng.uniform(0, 255, (2, n)).astype(np.float32),
     )
     texture = Texture(layers, np.array([45.0, 0.05, 45.0, -0.05]))
     brightness = Brightness(known, np.full(2, scale))
-    return alignment_kernel.match_pattern(pixels, texture, pose.state, brightness, size, 4)
+    return alignment_kernel.match_pattern(pixels, texture, pose.state, brightness, size, tiles)
 
 
 @pytest.mark.parametrize("size", [6, 12])
 def test_the_right_side_is_the_squares_change_with_brightness(size):
     pose, _ = moving_pose(4)
     right = equations(pose, np.zeros(12), size)[1].sum(axis=1)
+    # The sum is a parabola of each, so that large steps are exact.
     for k in range(12):
         step = np.zeros(12)
-        step[k] = 1e-2
+        step[k] = 10.0
         after, before = (equations(pose, sign * step, size)[2][0, 0] for sign in (1, -1))
-        change = (after - before) / 2e-2
+        change = (after - before) / 20.0
         assert -2 * right[0, size + k] == pytest.approx(change, rel=1e-3, abs=1e-2)
 
 
@@ -108,3 +109,29 @@ def test_residuals_that_stand_out_are_trusted_little():
     np.testing.assert_allclose(trusted[:, 1], weight.sum(axis=1), rtol=1e-5)
     steep = weight * (4 * np.sqrt(weight) - 3)
     np.testing.assert_allclose(trusted[:, 2], steep.sum(axis=1), rtol=1e-4, atol=1e-4)
+
+
+def test_one_tile_is_the_sum_of_all():
+    pose, _ = moving_pose(7)
+    apart, together = (equations(pose, np.zeros(12), 12, scale=30.0, tiles=n) for n in (4, 1))
+    assert together.right.shape == (2, 1, 24)
+    largest = np.abs(apart.right).sum(axis=1)
+    np.testing.assert_array_less(
+        np.abs(apart.right.sum(axis=1) - together.right[:, 0]), 1e-12 * largest
+    )
+    np.testing.assert_allclose(apart.normal, together.normal)
+
+
+@pytest.mark.parametrize("size", [0, 6, 12])
+def test_without_brightness_the_pose_has_the_same_solution(size):
+    rng = np.random.default_rng(size)
+    rows = rng.normal(size=(200, size + 5))
+    rows[:, -1] = 0.0  # a term of which the picture says nothing
+    normal, right = rows.T @ rows, rows.T @ rng.normal(size=200)
+    inner, pull, shared, change = alignment_kernel.without_brightness(
+        np.tril(normal), right, size, 1e-9
+    )
+    whole = np.linalg.lstsq(normal, right, rcond=None)[0]
+    pose = np.linalg.solve(inner, pull) if size else np.empty(0)
+    np.testing.assert_allclose(pose, whole[:size], atol=1e-7)
+    np.testing.assert_allclose(change - shared @ pose, whole[size:], atol=1e-7)

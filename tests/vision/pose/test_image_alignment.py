@@ -9,7 +9,7 @@ from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.simulate.sensor import Imaging
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.pose.image_alignment import Match
+from padstudio.vision.pose.image_alignment import Match, _stretch
 from padstudio.vision.pose.least_squares import MOVING, STILL
 
 CAMERA = small_camera()
@@ -97,3 +97,14 @@ def test_a_picture_blurred_beyond_its_pattern_leaves_the_attitude_in_doubt():
         assert fit is not None
         sigma.append(np.sqrt(np.diag(fit.covariance)[5]) * CAMERA.focal_px)
     assert sigma[1] > 0.5 > sigma[0]
+
+
+def test_steps_that_go_a_part_of_the_way_are_lengthened_by_what_they_leave():
+    normal, step = np.diag([1.0, 4.0, 100.0]), np.array([3.0, -1.0, 0.2])
+    # Steps that leave 40 % are to be 1/0.6 times as long, however long the last one was made.
+    for before in (1.0, 1.5):
+        left = 1 - 0.6 * before
+        found = _stretch(before, float(step @ normal @ (left * step)), step, normal)
+        assert found == pytest.approx(1 / 0.6)
+    assert _stretch(1.0, -5.0, step, normal) == 1.0
+    assert _stretch(1.0, float(step @ normal @ step), step, normal) == 2.5

@@ -226,6 +226,7 @@ def match_pattern(
     size : int
         Parameters of the pose that are sought: 0, 6 or 12.
     tiles : int
+        1 adds up all of them, which takes less time.
     """
     channels, linear = len(pixels.values), SHADE + GAIN * len(texture.layers)
     width = size + linear
@@ -286,8 +287,9 @@ def compare(
     for a in range(len(known)):
         for i in range(len(values)):
             left[i] -= known[a] * terms[a, i]
+    bend = 1 / (scale * scale) if scale > 0 else 0.0
     for i in range(len(values)):
-        share = 1.0 / (1 + (left[i] / scale) ** 2) if scale > 0 else 1.0
+        share = 1.0 / (1 + bend * left[i] * left[i])
         weight[i] = share * share
         sums[0] += weight[i] * left[i] * left[i]
         sums[1] += weight[i]
@@ -328,7 +330,66 @@ def gather(block: Block, tile: NDArray[np.intp], normal: Array, right: Array) ->
             for i in range(BLOCK):
                 total += weighted[i] * rows[b, i]
             normal[a, b] += total
-    for i in range(len(tile)):
-        pull = weight[i] * left[i]
-        for a in range(len(rows)):
-            right[tile[i], a] += pull * rows[a, i]
+        if len(right) == 1:
+            total = 0.0
+            for i in range(BLOCK):
+                total += weighted[i] * left[i]
+            right[0, a] += total
+    if len(right) > 1:
+        for i in range(len(tile)):
+            pull = weight[i] * left[i]
+            for a in range(len(rows)):
+                right[tile[i], a] += pull * rows[a, i]
+
+
+@fast_jit
+def without_brightness(
+    normal: Array, right: Array, size: int, held: float
+) -> tuple[Array, Array, Array, Array]:
+    """Normal equations of the pose alone: the Schur complement of the L terms of brightness.
+
+    Parameters
+    ----------
+    normal : (size + L, size + L) float64
+        Lower triangle.
+    right : (size + L,) float64
+    size : int
+    held : float
+        Terms are held to what they are by this share of what the picture says of them, so that
+        those it says nothing of, as of a layer out of view, can be solved for.
+
+    Returns
+    -------
+    normal : (size, size) float64
+    right : (size,) float64
+    shared : (L, size) float64
+        What of a step of the pose brightness takes over.
+    change : (L,) float64
+        Of brightness, while the pose stays.
+    """
+    linear = len(right) - size
+    work = np.empty((linear, linear + size + 1))
+    for a in range(linear):
+        for b in range(linear):
+            work[a, b] = normal[size + max(a, b), size + min(a, b)]
+        work[a, a] += max(held * work[a, a], 1e-9)
+        for k in range(size):
+            work[a, linear + k] = normal[size + a, k]
+        work[a, linear + size] = right[size + a]
+    # Gauss-Jordan; a positive definite matrix needs no pivots.
+    for p in range(linear):
+        work[p, p:] /= work[p, p]
+        for a in range(linear):
+            if a != p:
+                work[a, p:] -= work[a, p] * work[p, p:]
+    shared, change = work[:, linear : linear + size].copy(), work[:, linear + size].copy()
+    inner, pull = np.empty((size, size)), right[:size].copy()
+    for a in range(size):
+        for b in range(size):
+            inner[a, b] = normal[max(a, b), min(a, b)]
+        for k in range(linear):
+            across = normal[size + k, a]
+            pull[a] -= across * change[k]
+            for b in range(size):
+                inner[a, b] -= across * shared[k, b]
+    return inner, pull, shared, change

@@ -8,7 +8,8 @@ References
 ----------
 Lucas, B. D. and Kanade, T. (1981). An iterative image registration technique with an application
 to stereo vision. Baker, S. and Matthews, I. (2004). Lucas–Kanade 20 years on: a unifying framework.
-doi:10.1023/B:VISI.0000011205.11775.fd
+doi:10.1023/B:VISI.0000011205.11775.fd. Barzilai, J. and Borwein, J. M. (1988). Two-point step size
+gradient methods. doi:10.1093/imanum/8.1.141
 """
 
 from __future__ import annotations
@@ -37,10 +38,13 @@ from padstudio.vision.pose.template import OVERSAMPLING, on_pad, pixels_of, text
 # the same stills of the score.
 _ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
 _STEPS = 4
-# A step that is shorter than so many standard deviations, squared, ends the iteration.
-_ROUGHLY_SETTLED, _SETTLED = 0.5, 0.05
-# Brightness terms are held to what they are by this share of what the picture says of them, so that
-# those it says nothing of can be solved for.
+# A step that is shorter than so many standard deviations, squared, ends the iteration: the last one
+# of a start among others, or before all pixels are taken, whose pose is as far off; and the last.
+_ROUGHLY_SETTLED, _NEAR, _SETTLED = 0.5, 8.0, 0.1
+# Where residuals are large, plain steps go half of the way; they are lengthened by what the last
+# two tell, but by no more than this.
+_MOST_STRETCH = 2.5
+# As `alignment_kernel.without_brightness` takes it.
 _HELD = 1e-9
 # By so many pixels the pattern's shape is off at its rim.
 _SHAPE_PX = 0.02
@@ -81,18 +85,14 @@ class _Equations:
     @classmethod
     def of(cls, normal: Array, right: Array, sums: Array, size: int) -> _Equations:
         """The Schur complement of the brightness terms."""
-        normal = normal + np.tril(normal, -1).T
         squares, weights, steepness, _ = sums
         variance = max(squares / weights, 1e-9)
-        across, total = normal[:size, size:], right.sum(axis=0)
-        # Terms that the picture does not show, as of a layer out of view, stay as they are.
-        inner = normal[size:, size:]
-        held = inner + np.diag(np.maximum(_HELD * np.diag(inner), 1e-9))
-        solved = np.linalg.solve(held, np.column_stack([across.T, total[size:]]))
-        shared, change = solved[:, :-1], solved[:, -1]
+        inner, pull, shared, change = alignment_kernel.without_brightness(
+            normal, right.sum(axis=0), size, _HELD
+        )
         return cls(
-            normal=(normal[:size, :size] - across @ shared) / variance,
-            right=(total[:size] - across @ change) / variance,
+            normal=inner / variance,
+            right=pull / variance,
             scores=(right[:, :size] - right[:, size:] @ shared) / variance,
             shared=shared,
             change=change,
@@ -123,6 +123,7 @@ class Match:
         self._brightness: Array | None = None
         self._rms_px = 0.0
         self._compared = False
+        self._stretch = 1.0
 
     @classmethod
     def of(
@@ -158,7 +159,8 @@ class Match:
         pose: MovingPose | None = begin
         # A start that all pixels led to is not bettered by a few of them.
         if not self._compared:
-            pose = self._settle(begin, prior, self._few, _ROUGH_STEPS, _ROUGHLY_SETTLED)
+            enough = _ROUGHLY_SETTLED if rough else _NEAR
+            pose = self._settle(begin, prior, self._few, _ROUGH_STEPS, enough)
         if pose is not None and not rough:
             pose = self._settle(pose, prior, self._all, _STEPS, _SETTLED)
             self._compared = True
@@ -171,7 +173,7 @@ class Match:
         """Brightness at a pose, as if the pose were right."""
         terms = alignment_kernel.SHADE + alignment_kernel.GAIN * len(self._texture.layers)
         self._brightness = np.zeros((len(self._few.values), terms))
-        for _ in range(3):
+        for _ in range(2):
             for channel, part in enumerate(self._equations(pose, self._few, 0)):
                 self._brightness[channel] += part.change
 
@@ -180,26 +182,31 @@ class Match:
     ) -> MovingPose | None:
         """The pose after some steps, or None where the picture leaves it undetermined."""
         assert self._brightness is not None
+        last: Array | None = None
         for _ in range(steps):
             parts = self._equations(pose, pixels, len(prior.weight))
             normal = np.diag(prior.weight) + sum(part.normal * part.share for part in parts)
             right = prior.pull(pose) + sum(part.right for part in parts)
             try:
-                step = np.linalg.solve(normal, right)
+                step = np.asarray(np.linalg.solve(normal, right), float)
             except np.linalg.LinAlgError:
                 return None
             if not np.isfinite(step).all():
                 return None
-            pose = pose.moved(np.asarray(step, float))
+            if last is not None:
+                self._stretch = _stretch(self._stretch, float(last @ normal @ step), last, normal)
+            last, length = step, float(step @ normal @ step)
+            step = self._stretch * step
+            pose = pose.moved(step)
             for channel, part in enumerate(parts):
                 self._brightness[channel] += part.change / part.share - part.shared @ step
-            if step @ normal @ step < settled:
+            if length < settled:
                 break
         return pose
 
     def _explain(self, pose: MovingPose, model: MotionModel) -> Explained:
         """The pose at the middle row, and its covariance (6, 6)."""
-        parts = self._equations(pose, self._all, 6)
+        parts = self._equations(pose, self._all, 6, TILES * TILES)
         bounds = bounds_of(pose, model, 1.0)
         sums, first, width = self._row_sums(pose, parts)
         blur = 0.0 if bounds.at_rest else self._blur_variance(pose)
@@ -282,14 +289,14 @@ class Match:
         for k in range(count):
             pixels = self._all.between(ends[k], ends[k + 1])
             found = alignment_kernel.match_pattern(
-                pixels, self._texture, pose.state, brightness, 12, TILES * TILES
+                pixels, self._texture, pose.state, brightness, 12, 1
             )
             start = first + k * width
             for c, part in enumerate(parts):
                 share = part.share / (part.variance * noise)
                 square = found.normal[c, :12, :12]
                 square = share * part.share * (square + np.tril(square, -1).T)
-                right = share * found.right[c, :, :12].sum(axis=0)
+                right = share * found.right[c, 0, :12]
                 here, once, twice = square[:6, :6], square[:6, 6:], square[6:, 6:]
                 whole += here
                 normal[0, k, :6, :6] += here
@@ -314,7 +321,7 @@ class Match:
         around += layers[:, row, column - 1] + layers[:, row, column + 1]
         bend = (around - 4 * layers[:, row, column]) * (OVERSAMPLING**2 / 2)
         residuals = alignment_kernel.match_pattern(
-            few, self._texture, pose.state, Brightness(self._brightness, self._scale), 0, 64
+            few, self._texture, pose.state, Brightness(self._brightness, self._scale), 0, 1
         ).residuals
         across = along = 0.0
         for c, terms in enumerate(self._brightness):
@@ -324,12 +331,14 @@ class Match:
             across += float(change @ change)
         return along / max(across, 1e-9)
 
-    def _equations(self, pose: MovingPose, pixels: Pixels, size: int) -> list[_Equations]:
+    def _equations(
+        self, pose: MovingPose, pixels: Pixels, size: int, tiles: int = 1
+    ) -> list[_Equations]:
         """Each channel's equations at a pose; updates what residuals are trusted, and the rms."""
         assert self._brightness is not None
         texture, brightness = self._texture, Brightness(self._brightness, self._scale)
         normal, right, sums, residuals = alignment_kernel.match_pattern(
-            pixels, texture, pose.state, brightness, size, TILES * TILES
+            pixels, texture, pose.state, brightness, size, tiles
         )
         self._scale = _scales(residuals)
         slopes = sums[:, 3].sum() / (2 * len(pixels.row_time))
@@ -343,6 +352,23 @@ def _noise(parts: list[_Equations]) -> float:
     normal = sum((part.normal for part in parts), np.zeros((6, 6)))
     scores = sum((part.scores for part in parts), np.zeros((TILES * TILES, 6)))
     return pattern_noise(normal, scores)
+
+
+def _stretch(before: float, common: float, last: Array, normal: Array) -> float:
+    """By how much to lengthen a step, of what the step before it, so lengthened, left to do.
+
+    Parameters
+    ----------
+    before : float
+        By how much the last step was lengthened.
+    common : float
+        Product of the last step, not lengthened, and this one, in the metric of ``normal``.
+    last : (K,) float64
+    normal : (K, K) float64
+    """
+    square = float(last @ normal @ last)
+    done = max(square - common, 1e-9 * square)
+    return min(max(before * square / done, 1.0), _MOST_STRETCH) if square > 0 else 1.0
 
 
 def _scales(residuals: NDArray[np.float32]) -> Array:
