@@ -17,7 +17,6 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.mixture import Mixture, find_mixture
-from padstudio.vision.dense.starts import refine_best
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -54,9 +53,10 @@ def borne_out(refiner: Refiner, refined: RefinedPose) -> RefinedPose | StageFail
             return against
         if other is None or against is not None or not (fault or _tells_more(other, mixture)):
             continue
-        again = refine_best(refiner, [start], np.inf)
+        again = refiner.follow(start, 0.0)
         if again is not None and contradiction(refiner, again.fit.pose, again.read) is None:
             return again
+        fault = fault or _rejected("the channels show more of the pad at another scale")
     return fault or refined
 
 
@@ -131,6 +131,10 @@ def _fault(mixture: Mixture | None, scales: tuple[float, ...]) -> StageFailure |
         detail = f"the {mixture.hidden} cells should be seen with this pose, and are not"
     else:
         return None
+    return _rejected(detail)
+
+
+def _rejected(detail: str) -> StageFailure:
     return StageFailure("pose", Reason.POSE_REJECTED, detail)
 
 
@@ -139,11 +143,8 @@ def _tells_all(mixture: Mixture | None, pad: Pad) -> bool:
 
 
 def _tells_more(other: Mixture, than: Mixture | None) -> bool:
-    """True where another scale shows a layer more, and explains every channel as well."""
-    if than is None or not other.telling > than.telling:
-        return False
-    pairs = zip(other.channels, than.channels, strict=True)
-    return all(a.explained >= b.explained for a, b in pairs)
+    """True where another scale puts more layers in view that must be seen, and are."""
+    return than is not None and other.telling > than.telling
 
 
 def swapped(stage: str) -> StageFailure:
