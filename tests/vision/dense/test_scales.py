@@ -31,6 +31,8 @@ VIEWS = [
     look_at_pad(400.0, tilt_deg=15, heading_deg=200, tilt_towards_deg=10, target_mm=CORNER_MM),
     look_at_pad(900.0, tilt_deg=10, heading_deg=110, tilt_towards_deg=60, target_mm=(-200, 200)),
     look_at_pad(1800.0, tilt_deg=20, heading_deg=300, tilt_towards_deg=200),
+    # Half of the frame is ground.
+    look_at_pad(2100.0, tilt_deg=20, heading_deg=62, tilt_towards_deg=75, target_mm=(450, -300)),
 ]
 
 
@@ -182,6 +184,17 @@ def test_cells_over_the_shared_corner_could_be_read_at_another_scale(channel, ra
 def test_cells_beyond_the_shared_corner_could_not() -> None:
     pad, far = sample_pad(), look_at_pad(150.0, target_mm=(400.0, -400.0))
     assert other_scales(pad, read_at(pad, far, "red")) == ()
+
+
+def test_ground_beside_the_pad_is_no_cell_beyond_the_shared_corner() -> None:
+    """The coarse layer, seen in red, with as much ground about it, read as the fine one."""
+    pad, view = sample_pad(), len(VIEWS) - 1
+    near = rescaled(pad, MovingPose(VIEWS[view]), 0.2)
+    pyramid = Pyramid(exchanged(frame(view)))
+    found = read_layer(pyramid, small_camera(), pad, pad.layer("red"), near, 1)
+    assert found is not None
+    assert found.cells.seen[:25, :25].sum() < 0.5 * found.cells.seen.sum()
+    assert other_scales(pad, found) == pytest.approx((5.0,))
 
 
 def test_layers_with_codes_of_their_own_share_no_scale() -> None:

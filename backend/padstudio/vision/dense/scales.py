@@ -15,14 +15,15 @@ import numpy as np
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
+from padstudio.vision.cells.evidence import judge
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.mixture import Mixture, find_mixture
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.stage.trace import Reason, StageFailure
 
-# Cells of which more than this share lie in the part that layers share may be either layer's.
-_SHARED = 0.5
+# A layer is told from another one by cells that only it has, where chance is below this.
+_LOG10_ITS_OWN = -6.0
 SWAPPED_ADVICE = "exchange red and blue where the picture is read (RGB taken for BGR?)"
 
 
@@ -95,16 +96,19 @@ def doubt(refiner: Refiner, pose: MovingPose, read: LayerRead) -> StageFailure |
 def other_scales(pad: Pad, read: LayerRead) -> tuple[float, ...]:
     """At which other scales the same cells could be read: in layers that begin with their code.
 
-    Only cells that lie in the part that the layers share could be the other one's.
+    Cells beyond the part that two layers share tell which one it is, where they alone suffice.
     """
-    cells, layer = read.cells, read.layer
+    layer, levels = read.layer, read.cells.levels(pad.levels)
     found = []
     for other in pad.layers:
         if other is layer or not _begin_alike(layer, other):
             continue
-        rows = max(0, min(other.rows, layer.rows) - cells.row0)
-        cols = max(0, min(other.cols, layer.cols) - cells.column0)
-        if cells.seen[:rows, :cols].sum() > _SHARED * cells.seen.sum():
+        rows = max(0, min(other.rows, layer.rows) - read.cells.row0)
+        cols = max(0, min(other.cols, layer.cols) - read.cells.column0)
+        own = levels.copy()
+        own[:rows, :cols] = -1
+        evidence = judge(own, read.expected, pad.levels, 4 * layer.field.size)
+        if not evidence.suffices(_LOG10_ITS_OWN):
             found.append(other.cell_mm / layer.cell_mm)
     return tuple(found)
 
