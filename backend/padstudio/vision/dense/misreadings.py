@@ -16,7 +16,7 @@ from padstudio.vision.search.search import read_lattice
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # The lattices with the most of their edges on lines are read again; others are seldom the pad's.
-_MOST_LATTICES = 3
+_MOST_LATTICES = 2
 
 
 def find_misreading(search: Search) -> StageFailure | None:

@@ -27,6 +27,8 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 # With the sign's own outline there are four places to choose from instead of thousands, so cells
 # that are too small to be read without errors suffice.
 _LEAST_KAPPA = 0.3
+# So many quarter turns are matched: cells of two pixels tell the right one from most others.
+_TURNS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
     if isinstance(outline, StageFailure):
         return outline
     best: WholeSign | None = None
-    for start in itertools.chain(*poses_of(outline, refiner.pad)):
+    for start in itertools.chain(*_likeliest(refiner, poses_of(outline, refiner.pad))):
         found = _matched(refiner, outline, start, rough=True)
         if found is not None and (best is None or _surer(found, best)):
             best = found
@@ -73,6 +75,16 @@ def find_whole_sign(refiner: Refiner, region: Region) -> WholeSign | StageFailur
     if not best.read.evidence.suffices(bound, least_kappa=_LEAST_KAPPA):
         return another_sign(best.read)
     return best
+
+
+def _likeliest(refiner: Refiner, turns: list[list[MovingPose]]) -> list[list[MovingPose]]:
+    """The quarter turns whose coarse cells agree with the pad best, as far as they can be read."""
+
+    def agreement(poses: list[MovingPose]) -> float:
+        read = _read_coarse(refiner, poses[0])
+        return -1.0 if read is None else read.evidence.kappa
+
+    return sorted(turns, key=agreement, reverse=True)[:_TURNS]
 
 
 def outline_in(refiner: Refiner, region: Region, finest: int = 0) -> Outline | StageFailure:
