@@ -3,9 +3,9 @@
 
     bench_misses.py [--frames N] [--against TREE]
 
-CPU time of `Detector.detect`, milliseconds, median and worst of N frames from 1 to 4 m: bare grounds,
-a plaid of lines at right angles, and a foreign pad. TREE is another copy of the project, whose
-detector is measured with the same frames in a process of its own. Exits with 1 where a frame
+CPU time of `Detector.detect`, milliseconds, median and worst of N frames from 1 to 4 m: bare
+grounds, a plaid of lines at right angles, and a foreign pad. TREE is another copy of the project,
+whose detector is measured with the same frames in a process of its own. Exits with 1 where a frame
 without the pad gets a pose.
 """
 

@@ -38,7 +38,7 @@ _HIGH_RINGS = ((50, 24), (57, 30), (63, 36), (68, 42), (72, 48), (76, 54))
 _COARSE_EDGES, _FINE_EDGES = 800, 2000
 _STARTS = 3
 # A start of less than this share of the best one's coherence is not climbed from.
-_WORTH = 0.6
+_WORTH = 0.8
 # A coherence from which no other start need be tried, unless planes are steep.
 # 0.25 and 1 (never) find the same stills of the score.
 _CLEAR = 0.5
