@@ -26,14 +26,20 @@ class LayerRead:
     ----------
     layer : Layer
     cells : CellGrid
+    count : int
+        Y, the pad's number of levels.
     expected : (R, C) int8
         Levels that the pad has there.
+    places : int
+        Places and turns among which this one was chosen.
     evidence : Evidence
     """
 
     layer: Layer
     cells: CellGrid
+    count: int
     expected: NDArray[np.int8]
+    places: int
     evidence: Evidence
 
     @property
@@ -75,4 +81,16 @@ def read_layer(
         return None
     expected = layer.field[rows[0] : rows[1], cols[0] : cols[1]].astype(np.int8)
     evidence = judge(cells.levels(pad.levels), expected, pad.levels, places)
-    return LayerRead(layer, cells, expected, evidence)
+    return LayerRead(layer, cells, pad.levels, expected, places, evidence)
+
+
+def judge_together(reads: list[LayerRead]) -> Evidence:
+    """The evidence of all cells of several layers, read with one pose.
+
+    At one place of the pad layers have different cells, so chance would have to meet them all.
+    """
+    count = reads[0].count
+    levels = np.concatenate([read.cells.levels(count).ravel() for read in reads])
+    expected = np.concatenate([read.expected.ravel() for read in reads])
+    places = max(read.places for read in reads)
+    return judge(levels[None], expected[None], count, places)

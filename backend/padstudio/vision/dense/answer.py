@@ -9,7 +9,8 @@ import numpy as np
 from padstudio.geometry.curvature import with_curvature
 from padstudio.geometry.planar_pnp import ambiguity
 from padstudio.pad.spec import Layer
-from padstudio.vision.cells.layer_read import LayerRead
+from padstudio.vision.cells.evidence import Evidence
+from padstudio.vision.cells.layer_read import LayerRead, judge_together
 from padstudio.vision.dense.whole_pad import WholeSign
 from padstudio.vision.pose.covariance import with_picture_shift
 from padstudio.vision.pose.least_squares import Fit
@@ -54,7 +55,7 @@ def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
 
 def of_refined(refined: RefinedPose, choice: Choice) -> Detection:
     """The detection of a refined pose and the layer it rests on."""
-    fit, evidence = refined.fit, choice.read.evidence
+    fit, evidence = refined.fit, choice.evidence
     return Detection(
         pose=fit.pose.pose,
         layer=choice.read.layer.channel,
@@ -87,12 +88,15 @@ class Choice:
     Attributes
     ----------
     read : LayerRead
-        The chosen layer's cells and their evidence.
+        The chosen layer's cells.
+    evidence : Evidence
+        Of that layer's cells, or of all layers' together.
     reads : tuple of LayerRead
         All layers that lie in view.
     """
 
     read: LayerRead
+    evidence: Evidence
     reads: tuple[LayerRead, ...]
 
 
@@ -100,6 +104,8 @@ def choose(
     reads: list[LayerRead], fitted: Layer, log10_false_alarm: float
 ) -> Choice | StageFailure:
     """The fitted layer where its cells suffice, else the one with the best evidence.
+
+    Where none suffices alone, the cells of all layers count together.
 
     Parameters
     ----------
@@ -113,15 +119,16 @@ def choose(
     if not reads:
         return StageFailure("choose", Reason.TOO_FEW_CELLS, "no cell of the pad lies in view")
     good = [read for read in reads if read.evidence.suffices(log10_false_alarm)]
+    best = min(good or reads, key=lambda read: read.evidence.log10_false_alarm)
     if not good:
-        best = min(reads, key=lambda read: read.evidence.log10_false_alarm)
+        together = judge_together(reads)
+        if together.suffices(log10_false_alarm):
+            return Choice(best, together, tuple(reads))
         return StageFailure(
             "choose",
             Reason.UNKNOWN_CODE,
             f"with the refined pose {best.wrong_cells} differ from the pad "
             f"({best.evidence.compared_with(log10_false_alarm)})",
         )
-    for read in good:
-        if read.layer is fitted:
-            return Choice(read, tuple(reads))
-    return Choice(min(good, key=lambda read: read.evidence.log10_false_alarm), tuple(reads))
+    chosen = next((read for read in good if read.layer is fitted), best)
+    return Choice(chosen, chosen.evidence, tuple(reads))

@@ -210,9 +210,8 @@ class Dense:
             read = recorder.run("decode", layer.channel, refiner.read, layer, refined.fit.pose)
             if read is not None:
                 reads.append(read)
-        choice = recorder.run(
-            "choose", None, choose, reads, refined.layer, self.params.log10_false_alarm
-        )
+        bound = self._bound(refiner)
+        choice = recorder.run("choose", None, choose, reads, refined.layer, bound)
         if isinstance(choice, StageFailure):
             return Detection(None, choice), reads
         if refiner.attempts:
@@ -226,8 +225,13 @@ class Dense:
 
     def _is_sure(self, refiner: Refiner, evidence: Evidence) -> bool:
         """True where the fitted layer's cells need no other's to bear them out."""
-        bound = self.params.log10_false_alarm
+        bound = self._bound(refiner)
         if refiner.attempts:
             return evidence.suffices(bound)
         bound = min(bound, self.params.refine.log10_sure)
         return evidence.suffices(bound, least_kappa=_SURE_KAPPA)
+
+    def _bound(self, refiner: Refiner) -> float:
+        """The chance that evidence must stay below, log10."""
+        bound = self.params.log10_false_alarm
+        return bound if refiner.attempts else max(bound, self.params.refine.log10_followed)

@@ -142,6 +142,12 @@ class RefineParams(_Group):
         "A pose is refused where borders lie farther off than this and a pixel, root mean "
         "square; larger bears with bent pads and poor camera files.",
     )  # fmt: skip
+    log10_followed: float = parameter(
+        -3.0, -300.0, -1.0, "log10",
+        "Where the pad is followed, this stands for `log10_false_alarm`: the frame before has "
+        "borne it out, and only places near the expected one compete; higher follows closer to "
+        "the pad.",
+    )  # fmt: skip
     log10_sure: float = parameter(
         -30.0, -300.0, -6.0, "log10",
         "Where the last frame's pose is followed, every layer is read unless the fitted one "
