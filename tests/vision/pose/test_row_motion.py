@@ -1,12 +1,14 @@
 """What rows say of motion: sums, what they tell apart, and what stays in doubt."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dense_frames import all_borders, random_pose, sample_pad, small_camera
 
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.pose import row_motion_kernel
-from padstudio.vision.pose.edge_points import EdgePoints
+from padstudio.vision.pose.edge_points import EdgePoints, Sway
 from padstudio.vision.pose.least_squares import MotionModel, fit_pose
 
 CAMERA = small_camera()
@@ -125,3 +127,64 @@ def test_a_blur_leaves_the_attitude_in_doubt_and_nothing_else():
     moved = [np.sqrt(np.trace(fit.covariance[:3, :3])) for fit in (sharp, blurred)]
     assert moved[1] < 0.001 * HEIGHT_MM
     assert moved[0] < moved[1]
+
+
+def test_sums_about_a_shaking_tell_of_it_as_those_about_none():
+    rng = np.random.default_rng(6)
+    rows, sides = rng.normal(size=(90, 7)), rng.normal(size=(90, 2))
+    time, trust = rng.uniform(-0.4, 0.4, 90), rng.uniform(0, 1, 90)
+    turns = rng.normal(size=(5, 3))
+    knots = -0.4 + 0.2 * np.arange(5)
+    left = rows.copy()
+    left[:, 0] -= (rows[:, 4:] * Sway(knots, turns).at(time)).sum(axis=1)
+    plain, about = (
+        row_motion_kernel.row_sums(each, sides, time, trust, -0.4, 0.2, 4) for each in (rows, left)
+    )
+    np.testing.assert_allclose(about.about_rest(turns).pull, plain.pull, atol=1e-10)
+
+
+def test_borders_of_a_shaken_frame_are_looked_for_where_they_are_seen():
+    rng = np.random.default_rng(7)
+    pose = random_pose(rng, HEIGHT_MM, tilt_deg=20.0)
+    seen = seen_by(pose, vibration(rng, 0.004, 1.0), noise_px=0.0, seed=7)
+    rng = np.random.default_rng(7)
+    random_pose(rng, HEIGHT_MM, tilt_deg=20.0)
+    knots = np.linspace(-0.5, 0.5, 65)
+    sway = Sway(knots, vibration(rng, 0.004, 1.0)(knots))
+    points = sway.seen_at(seen.borders.points_mm, CAMERA, MovingPose(pose))
+    off = MovingPose(pose).project(CAMERA, points) - seen.xy
+    still = MovingPose(pose).project(CAMERA, seen.borders.points_mm) - seen.xy
+    assert np.abs(still).max() > 1.0
+    # Rows move by as much as the picture does, which is left to the next look.
+    assert np.abs(off).max() < 0.1 * np.abs(still).max()
+
+
+def test_profiles_are_centred_again_where_a_shaking_exceeds_their_reach():
+    rng = np.random.default_rng(1)
+    pose = random_pose(rng, HEIGHT_MM, tilt_deg=10.0)
+    sway = vibration(rng, 0.003, 2.0)
+    every = seen_by(pose, sway)
+
+    def within_reach(about, shaking):
+        points = every.borders.points_mm
+        points = points if shaking is None else shaking.seen_at(points, CAMERA, about)
+        off = every.xy - about.project(CAMERA, points)
+        which = np.flatnonzero(np.hypot(*off.T) < 1.2)
+        found = replace(
+            every,
+            borders=every.borders.take(which),
+            xy=every.xy[which],
+            weight=every.weight[which],
+            blur_px2=every.blur_px2[which],
+        )
+        return replace(found, again=within_reach)
+
+    once = within_reach(MovingPose(pose), None)
+    fits = [
+        fit_pose(MovingPose(pose), each, CAMERA, MotionModel(moving=False))
+        for each in (replace(once, again=None), once)
+    ]
+    first, again = (squared_error(fit.settled(), pose) for fit in fits)
+    off, left = (np.linalg.norm(fit.settled().pose.step_to(MovingPose(pose))[3:]) for fit in fits)
+    assert left < off
+    assert again < max(1.5, first)

@@ -12,23 +12,60 @@ doi:10.1109/TPAMI.2002.1017620.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.visible import visible_range
 from padstudio.vision.frame.pyramid import Window
 from padstudio.vision.pose import edge_points_kernel
 from padstudio.vision.pose.edge_points_kernel import Borders, Patch
+from padstudio.vision.pose.least_squares_kernel import Sightings
 
 #: Fewer borders leave a pose undetermined: each tells one of six unknowns, and some are wrong.
 LEAST_BORDERS = 12
 # So many borders tell how wide cells are; their median needs no more.
 _TELLING = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Sway:
+    """A shaking while the shutter rolled.
+
+    Attributes
+    ----------
+    row_time : (K,) float64
+        −0.5 … 0.5 of the frame, between which it goes straight.
+    rotvec : (K, 3) float64
+        Rotations about the camera's axes, radians, after those of the pose.
+    """
+
+    row_time: Array
+    rotvec: Array
+
+    def at(self, row_time: Array) -> Array:
+        """Rotation vectors (N, 3) at some rows."""
+        turns = [np.interp(row_time, self.row_time, axis) for axis in self.rotvec.T]
+        return np.stack(turns, axis=1)
+
+    def within(self, pose: MovingPose, first: float, last: float) -> MovingPose:
+        """A pose with the shaking between two row times, from which to which it goes straight."""
+        begin, end = self.at(np.array([first, last]))
+        slope = (end - begin) / (last - first)
+        turn = np.concatenate([np.zeros(3), begin - first * slope, np.zeros(3), slope])
+        return pose.moved(turn)
+
+    def seen_at(self, points_mm: Array, camera: Camera, pose: MovingPose) -> Array:
+        """Points (N, 3) as high that without the shaking would be seen where some are with it."""
+        turn = self.at(row_times(camera, pose.project(camera, points_mm)[:, 1]))
+        away = points_mm - pose.pose.position_mm
+        turned = away - np.cross(turn @ pose.pose.rotation.T, away)
+        return np.asarray(pose.pose.position_mm + turned * (away[:, 2:] / turned[:, 2:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +84,8 @@ class EdgePoints:
         squared.
     pixel : float
         Side of a pixel of the picture that they were found in, frame pixels.
+    again : callable or None
+        Finds all of the borders anew, where a pose and a shaking put them.
     """
 
     borders: Borders
@@ -54,6 +93,15 @@ class EdgePoints:
     weight: Array
     blur_px2: Array
     pixel: float = 1.0
+    again: Callable[[MovingPose, Sway], EdgePoints] | None = None
+
+    def seen_by(self, camera: Camera) -> Sightings:
+        """As least squares take them."""
+        borders, rays = self.borders, camera.normalize(self.xy)
+        # A pixel at a wide lens's rim is a long way on the plane z = 1, and errs by as much.
+        weight = self.weight * camera.sharpness(self.xy, rays) ** 2
+        row_time = row_times(camera, self.xy[:, 1])
+        return Sightings(borders.points_mm, borders.along_mm, rays, row_time, weight)
 
     def thinned(self, most: int) -> EdgePoints:
         """At most ``most`` of them, evenly spread."""
@@ -62,7 +110,8 @@ class EdgePoints:
             return self
         which = np.arange(0, len(self.xy), stride)
         borders, weight = self.borders.take(which), self.weight[which]
-        return EdgePoints(borders, self.xy[which], weight, self.blur_px2[which], self.pixel)
+        xy, blur = self.xy[which], self.blur_px2[which]
+        return replace(self, borders=borders, xy=xy, weight=weight, blur_px2=blur)
 
 
 def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
@@ -126,7 +175,13 @@ def find_edge_points(
     reach_px : float
         Half length of a profile, pixels of the window; never more than 0.42 of a cell.
     """
-    which, xy, weight, blur = edge_points_kernel.find_borders(
-        borders, pose.projector(camera), window, reach_px
-    )
-    return EdgePoints(borders.take(which), xy, weight, blur, window.pixel)
+
+    def find(pose: MovingPose, sway: Sway | None) -> EdgePoints:
+        points = borders.points_mm
+        points = points if sway is None else sway.seen_at(points, camera, pose)
+        which, xy, weight, blur = edge_points_kernel.find_borders(
+            borders._replace(points_mm=points), pose.projector(camera), window, reach_px
+        )
+        return EdgePoints(borders.take(which), xy, weight, blur, window.pixel, find)
+
+    return find(pose, None)

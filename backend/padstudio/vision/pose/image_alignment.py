@@ -28,6 +28,7 @@ from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose import alignment_kernel
 from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
 from padstudio.vision.pose.covariance import TILES, least_share, pattern_noise
+from padstudio.vision.pose.edge_points import Sway
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior, bounds_of
 from padstudio.vision.pose.pose_posterior import Explained, RowsSeen, explain_pattern
 from padstudio.vision.pose.row_motion import intervals_over
@@ -208,10 +209,12 @@ class Match:
         """The pose at the middle row, and its covariance (6, 6)."""
         parts = self._equations(pose, self._all, 6, TILES * TILES)
         bounds = bounds_of(pose, model, 1.0)
-        sums, first, width = self._row_sums(pose, parts)
         blur = 0.0 if bounds.at_rest else self._blur_variance(pose)
-        rows = RowsSeen(sums, first, width, blur)
-        settled, covariance, shaking = explain_pattern(pose, rows, self._focal_px, bounds)
+
+        def rows_seen(about: MovingPose, sway: Sway | None) -> RowsSeen:
+            return RowsSeen(*self._row_sums(about, parts, sway), blur)
+
+        settled, covariance, shaking = explain_pattern(pose, rows_seen, self._focal_px, bounds)
         covariance = covariance + self._shape_doubt(pose)
         other = self._mirrored(pose, MotionPrior.of(pose, model), _noise(parts))
         if other is not None:
@@ -278,8 +281,11 @@ class Match:
         half = (self._texture.layers.shape[2] / abs(self._texture.place[1])) / 2
         return float(self._focal_px * (half / distance) ** 2 * sine)
 
-    def _row_sums(self, pose: MovingPose, parts: list[_Equations]) -> tuple[RowSums, float, float]:
-        """Normal equations by intervals of rows, scaled so that their inverse is a covariance."""
+    def _row_sums(
+        self, pose: MovingPose, parts: list[_Equations], sway: Sway | None
+    ) -> tuple[RowSums, float, float]:
+        """Normal equations by intervals of rows, scaled so that their inverse is a covariance;
+        linearized where a pose and a shaking put the rows."""
         assert self._brightness is not None
         brightness, time = Brightness(self._brightness, self._scale), self._all.row_time
         first, width, count = intervals_over(float(time[0]), float(time[-1]))
@@ -288,10 +294,11 @@ class Match:
         whole, noise = np.zeros((6, 6)), _noise(parts)
         for k in range(count):
             pixels = self._all.between(ends[k], ends[k + 1])
-            found = alignment_kernel.match_pattern(
-                pixels, self._texture, pose.state, brightness, 12, 1
-            )
             start = first + k * width
+            seen_from = pose if sway is None else sway.within(pose, start, start + width)
+            found = alignment_kernel.match_pattern(
+                pixels, self._texture, seen_from.state, brightness, 12, 1
+            )
             for c, part in enumerate(parts):
                 share = part.share / (part.variance * noise)
                 square = found.normal[c, :12, :12]
@@ -307,7 +314,10 @@ class Match:
         # What brightness takes over of a step of the pose, all directions alike.
         left = sum((part.normal * part.share**2 / noise for part in parts), np.zeros((6, 6)))
         kept = float(np.trace(np.linalg.solve(whole, left))) / 6
-        return RowSums(normal * kept, pull * kept), first, width
+        sums = RowSums(normal * kept, pull * kept)
+        if sway is not None:
+            sums = sums.about_rest(sway.at(first + width * np.arange(count + 1.0)))
+        return sums, first, width
 
     def _blur_variance(self, pose: MovingPose) -> float:
         """By how much the picture is blurrier than the pattern, frame pixels squared."""

@@ -28,11 +28,10 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose, row_times
+from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.vision.pose import least_squares_kernel
 from padstudio.vision.pose.covariance import pose_covariance
 from padstudio.vision.pose.edge_points import LEAST_BORDERS, EdgePoints
-from padstudio.vision.pose.least_squares_kernel import Sightings
 from padstudio.vision.pose.pose_posterior import Explained, explain_edges
 from padstudio.vision.pose.row_motion import MotionBounds
 
@@ -158,11 +157,7 @@ def fit_pose(
         return None
     prior = MotionPrior.of(start, model)
     begin = start if model.moving else MovingPose(start.pose)
-    borders, xy, rays = edge_points.borders, edge_points.xy, camera.normalize(edge_points.xy)
-    # A pixel at a wide lens's rim is a long way on the plane z = 1, and errs by as much.
-    weight = edge_points.weight * camera.sharpness(xy, rays) ** 2
-    row_time = row_times(camera, xy[:, 1])
-    seen = Sightings(borders.points_mm, borders.along_mm, rays, row_time, weight)
+    seen = edge_points.seen_by(camera)
     found = least_squares_kernel.fit(
         seen, begin.state, prior.weight, prior.expected, camera.focal_px, iterations
     )
@@ -170,7 +165,7 @@ def fit_pose(
     inliers = np.abs(residual) < 4 * found.sigma
     if not found.solved or not np.isfinite(residual).all() or inliers.sum() < _LEAST_INLIERS:
         return None
-    trust = weight[inliers]
+    trust = seen.weight[inliers]
     rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
 
     settled = MovingPose.of(found.pose)

@@ -9,6 +9,8 @@ anywhere within its blur.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +19,14 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.vision.pose.covariance import TILES, newton_share, noise_share, tiles_of
-from padstudio.vision.pose.edge_points import EdgePoints
-from padstudio.vision.pose.least_squares_kernel import Sightings, Solution, scatter, trust_of
+from padstudio.vision.pose.edge_points import LEAST_BORDERS, EdgePoints, Sway
+from padstudio.vision.pose.least_squares_kernel import (
+    Sightings,
+    Solution,
+    linearize,
+    scatter,
+    trust_of,
+)
 from padstudio.vision.pose.row_motion import MotionBounds, RowFit, explain_rows, intervals_over
 from padstudio.vision.pose.row_motion_kernel import RowSums, noise_sums, row_sums
 
@@ -34,6 +42,8 @@ _MOST_ALIKE = 1.3
 # A profile measures a step that is off by less than this share of a cell, a pattern by less than
 # its blur.
 _EDGE_RANGE, _PATTERN_RANGE_PX = 0.21, 1.0
+# Profiles are centred again as long as that moves them by more than this share of their range.
+_CENTRED, _MOST_AGAIN = 0.15, 4
 # Blurs about both axes are alike, unless their steps say otherwise with this share of their weight.
 _ALIKE = 0.05
 # What lens model and sensor leave over stretches a picture by so much, and by so much a pixel of
@@ -80,22 +90,53 @@ def explain_edges(
     found, seen = fitted
     # At the row where a border was seen, its residual would pass for motion.
     row_time = row_times(camera, pose.project(camera, seen.points_mm)[:, 1])
-    seen = seen._replace(row_time=row_time)
-    measured = _Measured(found.rows, seen, edge_points)
-    motion = np.concatenate([pose.shift_mm, pose.rotvec])
-    fit = measured.explain(found.rows[:, 0], None, motion, bounds)
+    measured = _Measured(found.rows, seen._replace(row_time=row_time), edge_points)
+    fit = measured.explain(found.rows[:, 0], None, _motion(pose), bounds)
     shaking = fit.log_odds if fit.shaken else 0.0
+    range_px = _EDGE_RANGE * float(np.linalg.norm(edge_points.borders.across_mm[0]))
+    range_px *= camera.focal_px / bounds.height_mm
     if fit.shaken:
-        predicted = measured.predict(fit, motion)
-        fit = measured.explain(found.rows[:, 0] - predicted, predicted, motion, bounds)
+        pose, measured, fit = _measured_again(pose, measured, fit, camera, (bounds, range_px))
     step = fit.step[:6]
     if fit.shaken or not pose.still:
-        step = np.concatenate([step, fit.motion - motion])
-    blur = np.zeros(3) if bounds.at_rest else _blur_variance(found.rows, edge_points)
-    cell_px = np.linalg.norm(edge_points.borders.across_mm[0]) * camera.focal_px / bounds.height_mm
-    covariance = fit.covariance * _beyond(fit, camera.focal_px, _EDGE_RANGE * float(cell_px))
+        step = np.concatenate([step, fit.motion - _motion(pose)])
+    blur = np.zeros(3) if bounds.at_rest else measured.blur_variance()
+    covariance = fit.covariance * _beyond(fit, camera.focal_px, range_px)
     covariance = _widened(covariance, blur, bounds.height_mm, camera.focal_px)
     return Explained(pose.moved(step), covariance, shaking)
+
+
+def _motion(pose: MovingPose) -> Array:
+    return np.concatenate([pose.shift_mm, pose.rotvec])
+
+
+def _measured_again(
+    pose: MovingPose,
+    measured: _Measured,
+    fit: RowFit,
+    camera: Camera,
+    limits: tuple[MotionBounds, float],
+) -> tuple[MovingPose, _Measured, RowFit]:
+    """A shaken frame's borders, measured where the shaking puts them until that changes little.
+
+    Profiles that are off their steps show less of a shaking than there is, or none.
+    """
+    bounds, range_px = limits
+    looked_with = np.zeros_like(fit.sway)
+    for _ in range(_MOST_AGAIN):
+        change_px = camera.focal_px * _spread(fit.sway - looked_with)
+        if measured.edge_points.again is None or change_px < _CENTRED * range_px or not fit.shaken:
+            break
+        moved = pose.moved(np.concatenate([fit.step[:6], fit.motion - _motion(pose)]))
+        sway = measured.sway(fit)
+        edge_points = measured.edge_points.again(moved, sway)
+        if len(edge_points.xy) < LEAST_BORDERS:
+            break
+        pose, measured = moved, _Measured.of(edge_points, moved, camera)
+        looked_with = sway.at(measured.knots)
+        here = replace(fit, step=np.r_[np.zeros(6), fit.step[6:]], sway=looked_with)
+        fit = measured.explain_left(here, _motion(pose), bounds)
+    return pose, measured, measured.explain_left(fit, _motion(pose), bounds)
 
 
 class RowsSeen(NamedTuple):
@@ -118,18 +159,44 @@ class RowsSeen(NamedTuple):
 
 
 def explain_pattern(
-    pose: MovingPose, rows: RowsSeen, focal_px: float, bounds: MotionBounds
+    pose: MovingPose,
+    rows_seen: Callable[[MovingPose, Sway | None], RowsSeen],
+    focal_px: float,
+    bounds: MotionBounds,
 ) -> Explained:
-    """As `explain_edges`, of a pose that a pattern was matched with."""
-    motion = np.concatenate([pose.shift_mm, pose.rotvec])
-    fit = explain_rows(rows.sums, rows.first, rows.width, motion, bounds)
+    """As `explain_edges`, of a pose that a pattern was matched with.
+
+    Parameters
+    ----------
+    pose : MovingPose
+    rows_seen : callable
+        The pattern's equations where a pose and a shaking put its rows.
+    focal_px : float
+    bounds : MotionBounds
+    """
+    rows = rows_seen(pose, None)
+    fit = explain_rows(rows.sums, rows.first, rows.width, _motion(pose), bounds)
+    looked_with = np.zeros_like(fit.sway)
+    for _ in range(_MOST_AGAIN if fit.sway.any() else 0):
+        if focal_px * _spread(fit.sway - looked_with) < _CENTRED * _PATTERN_RANGE_PX:
+            break
+        pose = pose.moved(np.concatenate([fit.step[:6], fit.motion - _motion(pose)]))
+        looked_with = fit.sway
+        ends = rows.first + rows.width * np.arange(len(fit.sway), dtype=float)
+        rows = rows_seen(pose, Sway(ends, fit.sway))
+        fit = explain_rows(rows.sums, rows.first, rows.width, _motion(pose), bounds)
     step = fit.step[:6]
     if fit.shaken or not pose.still:
-        step = np.concatenate([step, fit.motion - motion])
+        step = np.concatenate([step, fit.motion - _motion(pose)])
     turn = _PATTERN_GAIN * max(0.0, rows.blur_px2 - _PATTERN_WITHIN) / focal_px**2
     covariance = fit.covariance * _beyond(fit, focal_px, _PATTERN_RANGE_PX)
     covariance = _widened(covariance, np.full(3, turn), bounds.height_mm, focal_px)
     return Explained(pose.moved(step), covariance, fit.log_odds if fit.shaken else 0.0)
+
+
+def _spread(sway: Array) -> float:
+    """Root mean square of rotation vectors (I + 1, 3) about the first two axes."""
+    return float(np.sqrt((sway[:, :2] ** 2).sum(axis=1).mean()))
 
 
 def _beyond(fit: RowFit, focal_px: float, range_px: float) -> float:
@@ -140,20 +207,37 @@ def _beyond(fit: RowFit, focal_px: float, range_px: float) -> float:
     """
     if not fit.shaken:
         return 1.0
-    sway = fit.sway[:, :2] - fit.sway[:, :2].mean(axis=0)
-    return 1.0 + float((sway**2).sum(axis=1).mean()) * (focal_px / range_px) ** 2
+    sway = _spread(fit.sway - fit.sway.mean(axis=0))
+    return 1.0 + (sway * focal_px / range_px) ** 2
 
 
 class _Measured:
     """Linearized residuals of borders by rows."""
 
     def __init__(self, rows: Array, seen: Sightings, edge_points: EdgePoints) -> None:
-        self._rows, self._seen = rows, seen
+        self._rows, self._seen, self.edge_points = rows, seen, edge_points
         self._tile = tiles_of(edge_points.xy)
         step, upright = np.sign(edge_points.borders.step), edge_points.borders.across_mm[:, 0] != 0
         self._sides = np.stack([step * upright, step * ~upright], axis=1)
         time = seen.row_time
         self._first, self._width, self._count = intervals_over(float(time.min()), float(time.max()))
+
+    @classmethod
+    def of(cls, edge_points: EdgePoints, pose: MovingPose, camera: Camera) -> _Measured:
+        """Borders about a pose."""
+        borders, seen = edge_points.borders, edge_points.seen_by(camera)
+        row_time = row_times(camera, pose.project(camera, borders.points_mm)[:, 1])
+        seen = seen._replace(row_time=row_time)
+        return cls(linearize(seen, pose.state) * camera.focal_px, seen, edge_points)
+
+    @property
+    def knots(self) -> Array:
+        """Row times of the intervals' ends, (I + 1,)."""
+        return np.asarray(self._first + self._width * np.arange(self._count + 1))
+
+    def sway(self, fit: RowFit) -> Sway:
+        """A fit's shaking."""
+        return Sway(self.knots, fit.sway)
 
     def explain(
         self, left: Array, predicted: Array | None, motion: Array, bounds: MotionBounds
@@ -177,24 +261,23 @@ class _Measured:
         )
         return explain_rows(scaled, self._first, self._width, motion, bounds)
 
-    def predict(self, fit: RowFit, motion: Array) -> Array:
-        """What a fit makes of the residuals (N,)."""
+    def explain_left(self, fit: RowFit, motion: Array, bounds: MotionBounds) -> RowFit:
+        """`explain` of what a fit with the same intervals leaves."""
         change, time = self._rows[:, 1:], self._seen.row_time
-        knots = self._first + self._width * np.arange(self._count + 1)
-        sway = np.stack([np.interp(time, knots, axis) for axis in fit.sway.T], axis=1)
         static = change @ fit.step[:6] + self._sides @ fit.step[6:]
         drift = time * (change @ (fit.motion - motion))
-        return np.asarray(static + drift + (change[:, 3:] * sway).sum(axis=1))
+        sway = (change[:, 3:] * self.sway(fit).at(time)).sum(axis=1)
+        predicted = np.asarray(static + drift + sway)
+        return self.explain(self._rows[:, 0] - predicted, predicted, motion, bounds)
 
-
-def _blur_variance(rows: Array, edge_points: EdgePoints) -> Array:
-    """Variances (3,) of the attitude while a row was exposed, radians², by the steps' widths."""
-    turns, weight = rows[:, 4:6] ** 2, edge_points.weight
-    normal = (turns * weight[:, None]).T @ turns
-    tie = _ALIKE * np.trace(normal) * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    right = turns.T @ (weight * (edge_points.blur_px2 - _SHARP_WITHIN))
-    tilts = np.maximum(np.linalg.solve(normal + tie, right), 0) / _BLUR_GAIN
-    return np.array([*tilts, tilts.mean()])
+    def blur_variance(self) -> Array:
+        """Variances (3,) of the attitude while a row was exposed, radians², by steps' widths."""
+        turns, weight = self._rows[:, 4:6] ** 2, self.edge_points.weight
+        normal = (turns * weight[:, None]).T @ turns
+        tie = _ALIKE * np.trace(normal) * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        right = turns.T @ (weight * (self.edge_points.blur_px2 - _SHARP_WITHIN))
+        tilts = np.maximum(np.linalg.solve(normal + tie, right), 0) / _BLUR_GAIN
+        return np.array([*tilts, tilts.mean()])
 
 
 def _widened(covariance: Array, blur: Array, height_mm: float, focal_px: float) -> Array:

@@ -29,6 +29,19 @@ class RowSums(NamedTuple):
     normal: Array
     pull: Array
 
+    def about_rest(self, sway: Array) -> RowSums:
+        """Sums about a shaking, as if they were about none.
+
+        Parameters
+        ----------
+        sway : (I + 1, 3) float64
+            Rotation vectors at the intervals' ends.
+        """
+        turns = self.normal[:, :, :, 3:6]
+        begin, change = sway[:-1, :, None], np.diff(sway, axis=0)[:, :, None]
+        moved = [(turns[k] @ begin + turns[k + 1] @ change)[:, :, 0] for k in range(2)]
+        return RowSums(self.normal, self.pull + np.stack(moved))
+
 
 @fast_jit
 def row_sums(
