@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from padstudio.arrays import Array
-from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
+from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums, solve_with_priors
 
 #: Intervals of rows over what was measured; a vibration of four periods a frame needs as many over
 #: all of it.
@@ -31,6 +31,7 @@ INTERVALS, FEW_INTERVALS = 16, 8
 # Sizes of a drift within the frame, radians, and shares of the height; the first is none.
 _DRIFTS = np.array([1e-6, 5e-5, 1.5e-4, 5e-4, 1.5e-3, 4e-3, 1e-2, 3e-2, 8e-2])
 _NO_DRIFT = 0.6
+_LOG_PRIOR = np.log([_NO_DRIFT, *[(1 - _NO_DRIFT) / (len(_DRIFTS) - 1)] * (len(_DRIFTS) - 1)])
 # A vehicle sinks faster than it drifts, by so many times, and turns about the camera's axis faster
 # than it leans; but it sinks by no more than half of the height a second, in the time that the
 # shutter rolls or in 24 ms.
@@ -129,6 +130,11 @@ class _Posteriors:
     covariance: Array
 
     @classmethod
+    def of_few(cls, normal: Array, pull: Array, sigma: Array, log_prior: Array) -> _Posteriors:
+        """As `of`, of few unknowns: `padstudio.vision.pose.row_motion_kernel.solve_with_priors`."""
+        return cls(*solve_with_priors(normal, pull, sigma, log_prior))
+
+    @classmethod
     def of(cls, normal: Array, pull: Array, log_prior: Array) -> _Posteriors:
         """Solutions of normal equations (S, n, n) and what they make of their priors' weights."""
         unit = 1 / np.sqrt(np.einsum("sii->si", normal))
@@ -170,7 +176,7 @@ def explain_rows(
     count = sums.normal.shape[1]
     normal, pull = _static(sums, bounds)
     if not bounds.rolling:
-        still = _Posteriors.of(normal[None], pull, np.zeros(1))
+        still = _Posteriors.of_few(normal, pull, np.zeros((1, 0)), np.zeros(1))
         return _mixed([still], bounds, count)
     starts = first + width * np.arange(count, dtype=float)
     away = motion - bounds.expected
@@ -208,13 +214,7 @@ def _with_drift(
 
 
 def _drifting(normal: Array, pull: Array, bounds: MotionBounds) -> _Posteriors:
-    sigma = bounds.drift_sigmas(_DRIFTS)
-    every = np.repeat(normal[None], len(_DRIFTS), axis=0)
-    which = np.arange(STATIC, STATIC + 6)
-    every[:, which, which] += sigma**-2.0
-    prior = np.full(len(_DRIFTS), (1 - _NO_DRIFT) / (len(_DRIFTS) - 1))
-    prior[0] = _NO_DRIFT
-    return _Posteriors.of(every, pull, np.log(prior) - np.log(sigma).sum(axis=1))
+    return _Posteriors.of_few(normal, pull, bounds.drift_sigmas(_DRIFTS), _LOG_PRIOR)
 
 
 def _unrest(
@@ -314,12 +314,15 @@ def _mixed(found: list[_Posteriors], bounds: MotionBounds, count: int) -> RowFit
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
     size = found[-1].mean.shape[1]
-    mean = np.concatenate(
-        [np.pad(part.mean, ((0, 0), (0, size - part.mean.shape[1]))) for part in found]
-    )
+    mean = np.zeros((len(weight), size))
+    covariance, first = np.zeros((6, 6)), 0
+    for part in found:
+        here = slice(first, first + len(part.mean))
+        mean[here, : part.mean.shape[1]] = part.mean
+        covariance += (weight[here] @ part.covariance.reshape(-1, 36)).reshape(6, 6)
+        first = here.stop
     whole = weight @ mean
     away = mean[:, :6] - whole[:6]
-    covariance = np.tensordot(weight, np.concatenate([part.covariance for part in found]), 1)
     covariance += (away * weight[:, None]).T @ away
     drift, sway = np.zeros(6), np.zeros((count + 1, 3))
     if size > STATIC:

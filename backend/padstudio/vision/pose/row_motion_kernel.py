@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -83,6 +84,72 @@ def row_sums(
                 for b in range(a):
                     normal[m, k, b, a] = normal[m, k, a, b]
     return RowSums(normal, pull)
+
+
+@fast_jit
+def solve_with_priors(
+    normal: Array, pull: Array, sigma: Array, log_prior: Array
+) -> tuple[Array, Array, Array]:
+    """Answers of normal equations under several priors of their last parameters.
+
+    By Cholesky's decomposition of the equations, scaled so that their diagonal is one.
+
+    Parameters
+    ----------
+    normal : (n, n) float64
+    pull : (n,) float64
+    sigma : (S, k) float64
+        Prior standard deviations of the last k parameters, about zero.
+    log_prior : (S,) float64
+        Of each prior.
+
+    Returns
+    -------
+    (S,) float64, (S, n) float64, (S, 6, 6) float64
+        Log marginal likelihoods with their priors, but for a constant; means; covariances of the
+        first six parameters.
+    """
+    size, held = len(pull), sigma.shape[1]
+    log_weight = log_prior.copy()
+    means, covariances = np.empty((len(sigma), size)), np.zeros((len(sigma), 6, 6))
+    lower, unit = np.zeros((size, size)), np.empty(size)
+    # Of L's inverse the first six columns, and what it makes of the pull.
+    white = np.empty((size, 7))
+    for s in range(len(sigma)):
+        for i in range(size):
+            k = i - size + held
+            unit[i] = normal[i, i] if k < 0 else normal[i, i] + sigma[s, k] ** -2.0
+            unit[i] = 1 / math.sqrt(unit[i])
+        for i in range(size):
+            for j in range(i + 1):
+                left = 1 + 1e-13 if i == j else normal[i, j] * unit[i] * unit[j]
+                for m in range(j):
+                    left -= lower[i, m] * lower[j, m]
+                if i == j:
+                    lower[i, i] = math.sqrt(max(left, 1e-15))
+                else:
+                    lower[i, j] = left / lower[j, j]
+            log_weight[s] -= math.log(lower[i, i] / unit[i])
+            for c in range(7):
+                value = unit[i] * pull[i] if c == 6 else unit[i] if c == i else 0.0
+                for m in range(i):
+                    value -= lower[i, m] * white[m, c]
+                white[i, c] = value / lower[i, i]
+        for k in range(held):
+            log_weight[s] -= math.log(sigma[s, k])
+        for i in range(size - 1, -1, -1):
+            value = white[i, 6]
+            log_weight[s] += 0.5 * value * value
+            for m in range(i + 1, size):
+                value -= lower[m, i] * means[s, m]
+            means[s, i] = value / lower[i, i]
+        for i in range(size):
+            means[s, i] *= unit[i]
+        for a in range(6):
+            for b in range(6):
+                for m in range(size):
+                    covariances[s, a, b] += white[m, a] * white[m, b]
+    return log_weight, means, covariances
 
 
 @fast_jit
