@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
-from padstudio.errors import ImageError
+from padstudio.errors import ImageError, SpecError
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
 from padstudio.vision.baseline.method import Baseline
@@ -21,34 +21,44 @@ from padstudio.vision.stage.trace import Recorder
 
 
 class Detector:
-    """Reads one pad through one camera.
+    """Reads one pad, or whichever of several are in view, through one camera.
 
     Parameters
     ----------
-    pad : Pad
+    pads : Pad or sequence of Pad
+        The paper's method takes one. The order does not matter.
     camera : Camera
         Frames of another size but the same aspect are read with scaled intrinsics.
     method : {"dense", "paper"}
     params : DetectorParams
+
+    Raises
+    ------
+    SpecError
+        If there is no pad, two of them have the same cells in a channel, or the paper's method is
+        to read several.
     """
 
     def __init__(
         self,
-        pad: Pad,
+        pads: Pad | Sequence[Pad],
         camera: Camera,
         *,
         method: Method = "dense",
         params: DetectorParams | None = None,
     ) -> None:
-        self.pad = pad
+        self.pads = (pads,) if isinstance(pads, Pad) else tuple(pads)
         self.camera = camera
         self.method = method
         self.params = params or DetectorParams()
-        self._dense = Dense(pad, camera, self.params)
-        self._baseline = Baseline(pad, camera, self.params) if method == "paper" else None
+        self._dense = Dense(self.pads, camera, self.params)
+        self._baseline: Baseline | None = None
+        if method == "paper":
+            _one(self.pads, "the paper's method reads")
+            self._baseline = Baseline(self.pads[0], camera, self.params)
 
     def detect(self, frame: Image | YuvFrame, *, trace: bool = False) -> Detection:
-        """Find the pad in one still.
+        """Find the pad in one still; of several pads that are in view, the one read best.
 
         Parameters
         ----------
@@ -68,11 +78,40 @@ class Detector:
         CameraMismatchError
             If the frame's aspect is not the camera's.
         """
+        return self.detect_all(frame, trace=trace)[0]
+
+    def detect_all(self, frame: Image | YuvFrame, *, trace: bool = False) -> list[Detection]:
+        """Find every one of the pads in one still.
+
+        One search serves all pads. Of copies of a pad one is read.
+
+        Parameters
+        ----------
+        frame : (H, W, 3) uint8, BGR, or YuvFrame
+        trace : bool
+            Keep every stage's output in the results, of all pads together.
+
+        Returns
+        -------
+        list of Detection
+            One for each pad that was found, each with its ``pad_id``: first those whose quality is
+            ``full``, and of these the least likely by chance. Where none was found, the failure
+            alone. Times are those of the whole search.
+
+        Raises
+        ------
+        ImageError, CameraMismatchError
+            As `detect`.
+        """
         _check(frame)
         recorder = Recorder(keep=trace)
-        stills = self._baseline or self._dense
         bgr = frame.bgr if isinstance(frame, YuvFrame) else frame
-        return _finish(stills.detect(bgr, recorder), frame, recorder)
+        if self._baseline is None:
+            found = self._dense.detect(bgr, recorder)
+        else:
+            single = self._baseline.detect(bgr, recorder)
+            found = [replace(single, pad_id=self._dense.known[0].id) if single.ok else single]
+        return [_finish(detection, frame, recorder) for detection in found]
 
     def track(
         self,
@@ -90,7 +129,8 @@ class Detector:
 
         Poses are fused over time, each by its own covariance
         (`padstudio.vision.fusion.pose_filter`). What a frame alone says stays in ``.single``, and
-        a frame without a pose gets none.
+        a frame without a pose gets none. Poses of several pads are in frames of their own, so that
+        only one pad is followed.
 
         Parameters
         ----------
@@ -105,7 +145,13 @@ class Detector:
             seconds of frames late.
         trace : bool
             Keep every stage's output in the result.
+
+        Raises
+        ------
+        SpecError
+            If the detector knows several pads.
         """
+        _one(self.pads, "a video is followed by")
         found = self._follow(frames, trace)
         if not (fuse or smooth):
             return found
@@ -126,6 +172,13 @@ class Detector:
                 detection = self.detect(frame, trace=trace)
             tracker.learn(detection)
             yield detection
+
+
+def _one(pads: Sequence[Pad], what: str) -> None:
+    if len(pads) > 1:
+        raise SpecError(
+            f"{what} one pad, not {len(pads)}; make a detector for each", code="several_pads"
+        )
 
 
 def _check(frame: Image | YuvFrame) -> None:

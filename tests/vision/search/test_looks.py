@@ -7,20 +7,19 @@ from dense_frames import frame_of, params, recorder, sample_pad, small_camera
 from padstudio.geometry.pose import look_at_pad
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
-from padstudio.vision.cells.correlation import LayerIndex
 from padstudio.vision.frame.prepare import find_stretch
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import faint_regions, find_regions
 from padstudio.vision.search import search as search_module
+from padstudio.vision.search.known_pads import KnownPad
 from padstudio.vision.search.looks import Search
 from padstudio.vision.search.search import Miss, sightings
 
 
 def search_of(image):
     pad, pyramid = sample_pad(), Pyramid(image)
-    indices = {layer.channel: LayerIndex(pad, layer) for layer in reversed(pad.layers)}
-    camera = small_camera()
-    return Search(pyramid, camera, find_stretch(pyramid), indices, params(), recorder())
+    camera, known = small_camera(), (KnownPad.of(pad),)
+    return Search(pyramid, camera, find_stretch(pyramid), known, params(), recorder())
 
 
 def ground(kind):

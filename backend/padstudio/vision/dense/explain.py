@@ -16,6 +16,7 @@ from padstudio.vision.frame.block_mean import block_mean, clean
 from padstudio.vision.frame.prepare import take_channel
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region
+from padstudio.vision.search.known_pads import KnownPad
 from padstudio.vision.search.looks import Search
 from padstudio.vision.search.search import Miss, find, place
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
@@ -26,13 +27,19 @@ _BLOCKS = 12
 
 
 def explain(
-    frame: Search, region: Region, reads: Sequence[LayerRead], level: int | None = None
+    frame: Search,
+    pad: KnownPad,
+    region: Region,
+    reads: Sequence[LayerRead],
+    level: int | None = None,
 ) -> None:
     """Run each layer's channel through the stages, where a trace is kept.
 
     Parameters
     ----------
     frame : Search
+    pad : KnownPad
+        The pad whose layers are shown.
     region : Region
         Where to look.
     reads : sequence of LayerRead
@@ -43,13 +50,11 @@ def explain(
     if not frame.recorder.keep:
         return
     recorder = Recorder(keep=True)
-    local = Search(
-        frame.pyramid, frame.camera, frame.stretch, frame.indices, frame.params, recorder
-    )
+    local = Search(frame.pyramid, frame.camera, frame.stretch, (pad,), frame.params, recorder)
     widths = {read.layer.channel: read.cells.cell_px for read in reads}
     agreed = {read.layer.channel for read in reads if read.evidence.suffices(0.0)}
-    expected = _too_far(frame, reads, agreed)
-    for channel in frame.indices:
+    expected = _too_far(pad, reads, agreed)
+    for channel in local.channels:
         shown = _level(frame.pyramid, widths.get(channel), level)
         plane = take_channel(frame.pyramid, frame.stretch, channel, shown, region.box)
         binary = recorder.run("block_mean", channel, block_mean, plane, _BLOCKS)
@@ -75,14 +80,15 @@ def _run(frame: Search, region: Region, level: int, channel: Channel, *, known: 
 
 
 def _too_far(
-    frame: Search, reads: Sequence[LayerRead], agreed: set[Channel]
+    pad: KnownPad, reads: Sequence[LayerRead], agreed: set[Channel]
 ) -> dict[Channel, StageFailure]:
     """Layers whose cells are too small to be read from where the pose says the camera is."""
     known = next((read for read in reads if read.layer.channel in agreed), None)
     if known is None:
         return {}
     least, found = METHOD_LIMITS["dense"].cell_px, {}
-    for channel, index in frame.indices.items():
+    for index in pad.indices:
+        channel = index.layer.channel
         cell_px = known.cells.cell_px * index.layer.cell_mm / known.layer.cell_mm
         if channel not in agreed and cell_px < least:
             detail = (

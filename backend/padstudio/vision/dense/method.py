@@ -22,15 +22,16 @@ where they find nothing; `Detector.track` takes 1, 7 and 8.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
 from padstudio.geometry.camera import Camera
-from padstudio.pad.spec import Channel, Pad
+from padstudio.pad.spec import Pad
 from padstudio.vision.bend.bent_sheet import flattened
-from padstudio.vision.cells.correlation import LayerIndex
 from padstudio.vision.cells.evidence import Evidence
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.dense.answer import choose, of_refined, of_whole_sign, unfit
@@ -45,11 +46,13 @@ from padstudio.vision.dense.whole_pad import (
     outline_in,
     readable_poses,
 )
-from padstudio.vision.frame.diagnosis import diagnose, examine
+from padstudio.vision.frame.diagnosis import FrameEvidence, diagnose, examine
 from padstudio.vision.frame.prepare import prepare
 from padstudio.vision.frame.regions import Region
+from padstudio.vision.outline.quadrilateral import Outline
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.search.known_pads import FoundPad, KnownPad, check_apart, together
 from padstudio.vision.search.looks import Search
 from padstudio.vision.search.search import Miss, Sighting, sightings
 from padstudio.vision.stage.detection import Detection
@@ -63,59 +66,88 @@ _SURE_KAPPA = 0.8
 
 
 class Dense:
-    """The dense method for one pad and one camera.
+    """The dense method for one camera and one or more pads.
 
     Parameters
     ----------
-    pad : Pad
+    pads : sequence of Pad
+        In any order; results do not depend on it.
     camera : Camera
     params : DetectorParams
+
+    Raises
+    ------
+    SpecError
+        As of `check_apart`.
     """
 
-    def __init__(self, pad: Pad, camera: Camera, params: DetectorParams) -> None:
-        self.pad = pad
+    def __init__(self, pads: Sequence[Pad], camera: Camera, params: DetectorParams) -> None:
+        self.known = sorted((KnownPad.of(pad) for pad in pads), key=lambda known: known.id)
+        check_apart(self.known)
         self.camera = camera
         self.params = params
-        layers = sorted(pad.layers, key=lambda layer: -layer.cell_mm)
-        self.indices: dict[Channel, LayerIndex] = {
-            layer.channel: LayerIndex(pad, layer) for layer in layers
-        }
 
-    def detect(self, bgr: Image, recorder: Recorder) -> Detection:
-        """Find the pad in one still, without any hint."""
-        frame = examine(bgr, self.pad, self.camera, self.params.prepare, recorder)
-        pyramid, camera, stretch = frame.pyramid, frame.camera, frame.stretch
-        search = Search(pyramid, camera, stretch, self.indices, self.params, recorder)
+    def detect(self, bgr: Image, recorder: Recorder) -> list[Detection]:
+        """Find the pads in one still, without any hint.
+
+        Pads of the same channels and the same mixture of colours are looked for in one search.
+
+        Returns
+        -------
+        list of Detection
+            One for each pad that was found, the best first; or one with the failure that came
+            nearest to an answer.
+        """
+        found: list[FoundPad] = []
+        failures: list[StageFailure] = []
+        for known in together(self.known, unmix=self.params.prepare.unmix):
+            failure = self._in_planes(known, bgr, recorder, found)
+            failures += [] if failure is None else [failure]
+        if found:
+            return sorted((item.detection for item in found), key=_best_first)
+        return [Detection(None, max(failures, key=lambda failure: failure.progress))]
+
+    def _in_planes(
+        self, known: Sequence[KnownPad], bgr: Image, recorder: Recorder, found: list[FoundPad]
+    ) -> StageFailure | None:
+        """Find pads that are read in the same planes; or why there is none."""
+        frame = examine(bgr, known[0].pad, self.camera, self.params.prepare, recorder, len(known))
+        others = [pad for pad in self.known if pad not in known]
+        search = Search(
+            frame.pyramid, frame.camera, frame.stretch, tuple(known), self.params, recorder,
+            elsewhere=sum(len(pad.indices) for pad in others),
+        )  # fmt: skip
+        failure = self._search(search, frame)
+        found += search.found
+        return None if search.found else failure
+
+    def _search(self, search: Search, frame: FrameEvidence) -> StageFailure | None:
+        """Find pads until all are found or nothing is left to look at; the last failure."""
         # A small pad's sides cost less than its cells; where they do not tell, they come last.
-        first = self._small(frame.clear or frame.faint)
-        found = self._by_outline(search, first)
-        if found is not None:
-            return found
-        found, last = self._by_lattice(search, frame.in_order())
-        if found.failure is None or found.failure.reason is Reason.CHANNELS_SWAPPED:
-            return found
-        faint = self._small(frame.faint) if frame.clear else []
-        far = self._by_outline(search, faint) or self._from_afar(search, first + faint)
-        if far is not None:
-            return far
+        self._by_outline(search, frame.clear or frame.faint)
+        if not search.wanted:
+            return None
+        failure, last = self._by_lattice(search, frame.in_order())
+        if failure is None or failure.reason is Reason.CHANNELS_SWAPPED:
+            return failure
+        self._by_outline(search, frame.faint if frame.clear else [])
+        swap = self._from_afar(search, frame.clear + frame.faint)
+        if search.found or swap is not None:
+            return swap
         level = last.level if isinstance(last, Miss) else None
-        explain(search, last.region, [], level)
-        return Detection(None, find_misreading(search) or diagnose(frame, found.failure))
-
-    def _small(self, regions: list[Region]) -> list[Region]:
-        """Of some regions those that may show the whole pad."""
-        return [item for item in regions if item.box.side <= self.params.outline.largest_px]
+        explain(search, search.known[0], last.region, [], level)
+        return find_misreading(search) or diagnose(frame, failure)
 
     def follow(
         self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder
     ) -> Detection:
-        """Find the pad near an expected pose; fails where the picture does not bear it out.
+        """Find the first pad near an expected pose; fails where the picture denies it.
 
         A near miss must not pass for a lock, so every layer that can be read has to agree.
         """
-        camera = self.camera.for_frame(frame.shape[1], frame.shape[0])
-        pyramid = prepare(frame, self.pad, self.params.prepare, recorder)
-        refiner = Refiner(pyramid, camera, self.pad, self.params, 0, expected.motion)
+        camera, known = self.camera.for_frame(frame.shape[1], frame.shape[0]), self.known[0]
+        pyramid = prepare(frame, known.pad, self.params.prepare, recorder)
+        refiner = Refiner(pyramid, camera, known.pad, self.params, 0, expected.motion)
         miss_px = expected.miss * camera.focal_px
         refined = recorder.run("pose", None, refiner.follow, expected.pose, miss_px)
         if refined is None:
@@ -126,70 +158,91 @@ class Dense:
             if detection.ok and readable and not read.evidence.suffices(0.0):
                 detail = f"near the last pose {read.wrong_cells} differ from the pad"
                 return Detection(None, StageFailure("pose", Reason.POSE_REJECTED, detail))
-        return detection
+        return replace(detection, pad_id=known.id) if detection.ok else detection
 
-    def _by_outline(self, search: Search, small: list[Region]) -> Detection | None:
-        """The pose of a pad that is small in the frame, from where its colour ends; or None.
+    def _by_outline(self, search: Search, regions: list[Region]) -> None:
+        """Find pads that are small in the frame, from where their colour ends.
 
         Four sides cost less than a lattice of cells that are a few pixels wide.
         """
-        recorder, refiner = search.recorder, self._refiner(search, 1)
-        for region in small:
-            outline = recorder.run("outline", None, outline_in, refiner, region, 1)
+        for region, refiners in self._left(search, regions):
+            outline = search.recorder.run("outline", None, outline_in, refiners[0][1], region, 1)
             if isinstance(outline, StageFailure):
                 continue
-            starts = recorder.run("pose", None, readable_poses, outline, refiner)
-            refined = recorder.run("pose", None, refine_best, refiner, starts, np.inf)
-            detection, reads = self._judge(refiner, refined, recorder)
-            if detection.ok:
-                explain(search, region, reads)
-                return detection
-        return None
+            for known, refiner in refiners:
+                detection, reads = self._within(outline, refiner, search.recorder)
+                if detection.ok:
+                    _keep(search, known, detection, region, reads)
+                    break
+
+    def _within(
+        self, outline: Outline, refiner: Refiner, recorder: Recorder
+    ) -> tuple[Detection, list[LayerRead]]:
+        """The pose of a pad whose four sides those of an outline are."""
+        starts = recorder.run("pose", None, readable_poses, outline, refiner)
+        refined = recorder.run("pose", None, refine_best, refiner, starts, np.inf)
+        return self._judge(refiner, refined, recorder)
 
     def _by_lattice(
         self, search: Search, regions: Iterable[Region]
-    ) -> tuple[Detection, Sighting | Miss]:
-        """The pose of the first lattice that bears one, or why there is none; and what was last."""
+    ) -> tuple[StageFailure | None, Sighting | Miss]:
+        """Find pads by lattices; why there are no more, and what was seen last.
+
+        The failure is None where none is left to be found.
+        """
         failure: StageFailure | None = None
         for found in sightings(search, regions):
             if isinstance(found, Miss):
-                return Detection(None, failure or found.failure), found
+                return failure or found.failure, found
             detection, reads = self._pose(search, found)
             if detection.ok:
-                explain(search, found.region, reads)
-                return detection, found
+                _keep(search, found.known, detection, found.region, reads)
+                if not search.wanted:
+                    return None, found
+                continue
             failure = detection.failure
             if failure is not None and failure.reason is Reason.CHANNELS_SWAPPED:
-                return detection, found
+                return failure, found
         raise AssertionError("a search ends with a miss")
 
-    def _from_afar(self, search: Search, small: list[Region]) -> Detection | None:
-        """The pose of a pad too far away for lattices, or None."""
-        refiner = self._refiner(search, 1)
-        for region in small:
-            found = search.recorder.run("outline", None, find_whole_sign, refiner, region)
-            if not isinstance(found, WholeSign):
-                continue
-            pose = found.fit.pose
-            fault = search.recorder.run("pose", None, contradiction, refiner, pose, found.read)
-            if fault is None:
-                explain(search, region, [found.read])
-                return of_whole_sign(found, search.camera.focal_px)
-            if fault.reason is Reason.CHANNELS_SWAPPED:
-                return Detection(None, fault)
+    def _from_afar(self, search: Search, regions: list[Region]) -> StageFailure | None:
+        """Find pads too far away for lattices; a failure where channels are exchanged."""
+        for region, refiners in self._left(search, regions):
+            for known, refiner in refiners:
+                found = search.recorder.run("outline", None, find_whole_sign, refiner, region)
+                if not isinstance(found, WholeSign):
+                    continue
+                fault = search.recorder.run(
+                    "pose", None, contradiction, refiner, found.fit.pose, found.read
+                )
+                if fault is None:
+                    detection = of_whole_sign(found, search.camera.focal_px)
+                    _keep(search, known, detection, region, [found.read])
+                    break
+                if fault.reason is Reason.CHANNELS_SWAPPED:
+                    return fault
         return None
 
     def _pose(self, search: Search, found: Sighting) -> tuple[Detection, list[LayerRead]]:
         """The pose of a sighting, and every layer's cells read with it."""
-        recorder = search.recorder
-        starts = recorder.run("pose", None, first_poses, self.pad, found)
-        refiner = self._refiner(search, len(search.lattices) * len(self.indices))
+        recorder, pad = search.recorder, found.known.pad
+        starts = recorder.run("pose", None, first_poses, pad, found)
+        refiner = self._refiner(search, pad, search.attempts)
         good_mm = found.placement.layer.cell_mm
         refined = recorder.run("pose", None, refine_best, refiner, starts, good_mm)
         return self._judge(refiner, refined, recorder)
 
-    def _refiner(self, search: Search, attempts: int) -> Refiner:
-        return Refiner(search.pyramid, search.camera, self.pad, self.params, attempts)
+    def _left(
+        self, search: Search, regions: Iterable[Region]
+    ) -> Iterator[tuple[Region, list[tuple[KnownPad, Refiner]]]]:
+        """Parts of regions that may show a whole pad, and refiners of the pads it may be."""
+        for part in chain.from_iterable(map(search.left_of, regions)):
+            if search.wanted and part.box.side <= self.params.outline.largest_px:
+                pads, tries = search.wanted, len(self.known)
+                yield part, [(item, self._refiner(search, item.pad, tries)) for item in pads]
+
+    def _refiner(self, search: Search, pad: Pad, attempts: int) -> Refiner:
+        return Refiner(search.pyramid, search.camera, pad, self.params, attempts)
 
     def _judge(
         self, refiner: Refiner, refined: RefinedPose | None, recorder: Recorder
@@ -204,7 +257,7 @@ class Dense:
             return Detection(None, failure), []
         reads = [refined.read]
         sure = self._is_sure(refiner, refined.read.evidence) and not recorder.keep
-        for layer in [] if sure else self.pad.layers:
+        for layer in [] if sure else refiner.pad.layers:
             if layer is refined.layer:
                 continue
             read = recorder.run("decode", layer.channel, refiner.read, layer, refined.fit.pose)
@@ -235,3 +288,21 @@ class Dense:
         """The chance that evidence must stay below, log10."""
         bound = self.params.log10_false_alarm
         return bound if refiner.attempts else max(bound, self.params.refine.log10_followed)
+
+
+def _keep(
+    search: Search,
+    known: KnownPad,
+    detection: Detection,
+    region: Region,
+    reads: Sequence[LayerRead],
+) -> None:
+    """Note a pad that was found, so that the rest of the search leaves it out."""
+    explain(search, known, region, reads)
+    named = replace(detection, pad_id=known.id)
+    search.found.append(FoundPad(known, named, search.camera))
+
+
+def _best_first(detection: Detection) -> tuple[bool, float, str]:
+    """Poses that can be used as a whole, then by the bound on chance."""
+    return detection.quality != "full", detection.log10_false_alarm, detection.pad_id or ""

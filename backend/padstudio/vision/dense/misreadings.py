@@ -29,7 +29,7 @@ def find_misreading(search: Search) -> StageFailure | None:
     """
     best = sorted(search.lattices, key=lambda lattice: -lattice.inlier_share)[:_MOST_LATTICES]
     for lattice in best:
-        for channel in search.indices:
+        for channel in search.channels:
             cells = read_lattice(search, lattice, channel)
             failure = None if cells is None else _misread(search, channel, cells)
             if failure is not None:
@@ -38,7 +38,7 @@ def find_misreading(search: Search) -> StageFailure | None:
 
 
 def _misread(search: Search, channel: Channel, cells: CellGrid) -> StageFailure | None:
-    others = [other for other in search.indices if other != channel]
+    others = [other for other in search.channels if other != channel]
     if any(_agree(search, other, cells) for other in others):
         return swapped("decode")
     if _agree(search, channel, _mirrored(cells)):
@@ -60,10 +60,9 @@ def _misread(search: Search, channel: Channel, cells: CellGrid) -> StageFailure 
 
 def _agree(search: Search, channel: Channel, cells: CellGrid) -> bool:
     """True where cells are those of a layer's, however many lattices and ways were tried."""
-    ways = 3 * len(search.lattices) * len(search.indices)
-    placement = search.indices[channel].locate(cells, ways)
+    placements = [index.locate(cells, 3 * search.attempts) for _, index in search.at(channel)]
     bound = search.params.log10_false_alarm
-    return placement is not None and placement.evidence.suffices(bound)
+    return any(found is not None and found.evidence.suffices(bound) for found in placements)
 
 
 def _mirrored(cells: CellGrid) -> CellGrid:

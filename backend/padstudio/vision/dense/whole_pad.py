@@ -128,10 +128,11 @@ def _matched(
 
 
 def _read_coarse(refiner: Refiner, pose: MovingPose) -> LayerRead | None:
-    """The coarse layer's cells; the outline leaves four quarter turns to choose from."""
+    """The coarse layer's cells; the outline leaves four turns of each pad to choose from."""
     pad = refiner.pad
     coarse = max(pad.layers, key=lambda layer: layer.cell_mm)
-    return read_layer(refiner.pyramid, refiner.camera, pad, coarse, pose, 4)
+    ways = 4 * max(refiner.attempts, 1)
+    return read_layer(refiner.pyramid, refiner.camera, pad, coarse, pose, ways)
 
 
 def _surer(a: WholeSign, b: WholeSign) -> bool:

@@ -93,7 +93,12 @@ class FrameEvidence:
 
 
 def examine(
-    image: Image, pad: Pad, camera: Camera, params: PrepareParams, recorder: Recorder
+    image: Image,
+    pad: Pad,
+    camera: Camera,
+    params: PrepareParams,
+    recorder: Recorder,
+    pads: int = 1,
 ) -> FrameEvidence:
     """What every method begins with: the frame prepared, its grey values, and where the pad can be.
 
@@ -107,6 +112,8 @@ def examine(
     params : PrepareParams
     recorder : Recorder
         Keeps the stages `denoise`, `unmix`, `stretch` and `clean`.
+    pads : int
+        How many pads of these channels may be in view.
 
     Raises
     ------
@@ -116,7 +123,7 @@ def examine(
     camera = camera.for_frame(image.shape[1], image.shape[0])
     pyramid = prepare(image, pad, params, recorder)
     stretch = recorder.run("stretch", None, find_stretch, pyramid)
-    regions = recorder.run("clean", None, find_regions, pyramid, pad)
+    regions = recorder.run("clean", None, find_regions, pyramid, pad, pads)
     return FrameEvidence(pyramid, camera, pad, stretch, regions)
 
 

@@ -81,7 +81,7 @@ def unused_channels(pad: Pad) -> list[int]:
     return [BGR_INDEX[channel] for channel in CHANNELS if channel not in used]
 
 
-def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
+def find_regions(pyramid: Pyramid, pad: Pad, pads: int = 1) -> list[Region]:
     """Parts of the frame that have the pad's colour, the largest first, the whole frame last.
 
     Parameters
@@ -89,6 +89,8 @@ def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
     pyramid : Pyramid
     pad : Pad
         Its unused channels are what is looked for; a pad that uses all three has no such mark.
+    pads : int
+        So many of these channels may be in view; each beyond the first may be a region more.
 
     Returns
     -------
@@ -98,7 +100,7 @@ def find_regions(pyramid: Pyramid, pad: Pad) -> list[Region]:
     level = _mask_level(pyramid)
     unused = unused_channels(pad)
     dark = halfway(share_of(pyramid.level(level), unused)) if unused else None
-    found = [] if dark is None else _of_mask(dark, level, pyramid)
+    found = [] if dark is None else _of_mask(dark, level, pyramid, _MOST_REGIONS + pads - 1)
     return [*found, Region(pyramid.box, None, level)]
 
 
@@ -127,20 +129,37 @@ def faint_regions(pyramid: Pyramid, pad: Pad, known: Sequence[Region]) -> list[R
     found: list[Region] = []
     for values in maps:
         apart = parted(values)
-        fresh = [] if apart is None else _of_mask(apart.mask, level, pyramid)[:_MOST_FAINT]
+        fresh = [] if apart is None else _of_mask(apart.mask, level, pyramid, _MOST_FAINT)
         found += [item for item in fresh if not any(_alike(item, k) for k in [*known, *found])]
     return found
+
+
+def parts_of(mask: NDArray[np.bool_], level: int, size: tuple[int, int]) -> list[Region]:
+    """Connected parts of a mask as regions, the largest first; slivers are left out.
+
+    Parameters
+    ----------
+    mask : (h, w) bool
+    level : int
+        The mask's level.
+    size : (width, height)
+        The frame's, pixels.
+    """
+    kernel = np.ones((5, 5), np.uint8)
+    opened = np.asarray(cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel), np.uint8)
+    parts = itertools.takewhile(lambda item: item[0][-1] >= LEAST_AREA, _components(opened, 1))
+    return [_region(*item, level, size) for item in parts]
 
 
 def _mask_level(pyramid: Pyramid) -> int:
     return max(0, round(math.log2(pyramid.width / _MASK_WIDTH)))
 
 
-def _of_mask(mask: Mask, level: int, pyramid: Pyramid) -> list[Region]:
-    """The largest parts of a mask."""
-    largest = itertools.islice(_components(mask, 7), _MOST_REGIONS)
+def _of_mask(mask: Mask, level: int, pyramid: Pyramid, most: int) -> list[Region]:
+    """The largest parts of a mask, so many at the most."""
+    largest = itertools.islice(_components(mask, 7), most)
     found = itertools.takewhile(lambda item: item[0][-1] >= LEAST_AREA, largest)
-    return [_region(*item, level, pyramid) for item in found]
+    return [_region(*item, level, (pyramid.width, pyramid.height)) for item in found]
 
 
 def _alike(a: Region, b: Region) -> bool:
@@ -164,15 +183,15 @@ def _components(dark: Mask, closing: int) -> Iterator[tuple[list[int], NDArray[n
         yield [int(value) for value in stats[k]], np.asarray(labels == k)
 
 
-def _region(stats: list[int], part: NDArray[np.bool_], level: int, pyramid: Pyramid) -> Region:
+def _region(stats: list[int], part: NDArray[np.bool_], level: int, size: tuple[int, int]) -> Region:
     """A part of the mask with some room about it."""
     x, y, w, h, _ = stats
     edge = 2 + max(w, h) // 12
     box = Box(
         max(0, (x - edge) << level),
         max(0, (y - edge) << level),
-        min(pyramid.width, (x + w + edge) << level),
-        min(pyramid.height, (y + h + edge) << level),
+        min(size[0], (x + w + edge) << level),
+        min(size[1], (y + h + edge) << level),
     )
     return Region(box, cv2.dilate(part.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0, level)
 

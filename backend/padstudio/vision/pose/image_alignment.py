@@ -250,7 +250,7 @@ class Match:
             # The two differ by their perspective alone, which the picture's shape may feign.
             most = (self._perspective_px(pose) / _SHAPE_PX) ** 2 / 2
             worse *= most / (abs(worse) + most + 1e-9)
-            share = 1 / (1 + np.exp(worse))
+            share = np.exp(-np.logaddexp(0.0, worse))
             found = pose.step_to(other), float(share)
         self._brightness, self._scale, self._rms_px = saved
         return found

@@ -19,6 +19,7 @@ from padstudio.vision.frame.prepare import Stretch, take_channel
 from padstudio.vision.frame.pyramid import Plane, Pyramid
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.search.edges import EdgeSet, Steps, find_steps
+from padstudio.vision.search.known_pads import FoundPad, KnownPad
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.plane_normals import coherence_of
 from padstudio.vision.stage.params import DetectorParams, SearchParams
@@ -69,6 +70,13 @@ class Look:
         """The same of planes tilted by more."""
         return self._beyond_chance(steep=True)
 
+    def beside(self, found: FoundPad) -> Look:
+        """The look without what shows a pad that was found; the same where that is nothing."""
+        shown = found.shows(self.steps.xy)
+        if not shown.any():
+            return self
+        return Look(self.region, self.level, self.channel, self.steps.take(~shown), self.camera)
+
     def _beyond_chance(self, *, steep: bool) -> float:
         edges = self._glance
         if not len(edges.xy):
@@ -78,23 +86,94 @@ class Look:
 
 @dataclass(frozen=True)
 class Search:
-    """What a search needs to know of its frame; `indices` stand coarse layer first.
+    """What a search needs to know of its frame, and what came of it so far.
 
-    `lattices` gathers what was tried against the pad: each try weakens the evidence of the next;
-    `looks` what was made of a region, at a level and in a channel.
+    Attributes
+    ----------
+    pyramid : Pyramid
+    camera : Camera
+    stretch : Stretch
+    known : tuple of KnownPad
+        All pads that are looked for, of the same channels.
+    params : DetectorParams
+    recorder : Recorder
+    elsewhere : int
+        Layers of pads that are looked for in other planes of the same frame.
+    lattices : list of Lattice
+        What was tried against the pads: each try weakens the evidence of the next.
+    looks : dict
+        What was made of a region, at a level and in a channel.
+    found : list of FoundPad
+        The rest of the search leaves out these pads, and what shows them.
+    parts, scales : dict
+        What was left of regions, and at which scales they are looked at.
     """
 
     pyramid: Pyramid
     camera: Camera
     stretch: Stretch
-    indices: dict[Channel, LayerIndex]
+    known: tuple[KnownPad, ...]
     params: DetectorParams
     recorder: Recorder
+    elsewhere: int = 0
     lattices: list[Lattice] = field(default_factory=list)
     looks: dict[tuple[Region, int, Channel], Look] = field(default_factory=dict)
+    found: list[FoundPad] = field(default_factory=list)
+    parts: dict[tuple[Region, FoundPad], list[Region]] = field(default_factory=dict)
+    scales: dict[Region, list[tuple[Region, int]]] = field(default_factory=dict)
+
+    @property
+    def wanted(self) -> list[KnownPad]:
+        """Pads that were not found yet."""
+        done = [found.known for found in self.found]
+        return [pad for pad in self.known if pad not in done]
+
+    @property
+    def channels(self) -> list[Channel]:
+        """Of the pads' layers, those of the largest cells first."""
+        sizes: dict[Channel, float] = {}
+        for pad in self.known:
+            for index in pad.indices:
+                channel, size = index.layer.channel, index.layer.cell_mm
+                sizes[channel] = max(size, sizes.get(channel, 0.0))
+        return sorted(sizes, key=lambda channel: -sizes[channel])
+
+    @property
+    def attempts(self) -> int:
+        """How many lattices were compared with how many layers, of all pads."""
+        layers = sum(len(pad.indices) for pad in self.known)
+        return len(self.lattices) * (layers + self.elsewhere)
+
+    def at(self, channel: Channel) -> list[tuple[KnownPad, LayerIndex]]:
+        """Layers in a channel, of pads that were not found yet."""
+        return [
+            (pad, index)
+            for pad in self.wanted
+            for index in pad.indices
+            if index.layer.channel == channel
+        ]
+
+    def left_of(self, region: Region) -> list[Region]:
+        """Parts of a region that show no pad that was found, the same ones every time."""
+        parts = [region]
+        for found in self.found:
+            for part in parts:
+                if (part, found) not in self.parts:
+                    self.parts[part, found] = found.left_of(part)
+            parts = [rest for part in parts for rest in self.parts[part, found]]
+        return parts
+
+    def places(self, regions: Iterable[Region]) -> Iterator[tuple[Region, int]]:
+        """What is left of regions, at the scales that suit it, the same ones every time."""
+        for region in regions:
+            for part in self.left_of(region):
+                if part not in self.scales:
+                    self.scales[part] = list(_scales_of(part, self.params.search))
+                yield from self.scales[part]
 
     def look(self, region: Region, level: int, channel: Channel) -> Look:
-        """One channel of a region at a scale; its edges are found once."""
+        """One channel of a region at a scale; its edges are found once, and those left out that
+        show a pad that was found."""
         key = (region, level, channel)
         if key not in self.looks:
             plane = self.recorder.run(
@@ -105,6 +184,8 @@ class Search:
                 "edges", channel, _steps_in, plane, self.params.search, region
             )
             self.looks[key] = Look(region, level, channel, steps, self.camera)
+        for found in self.found:
+            self.looks[key] = self.looks[key].beside(found)
         return self.looks[key]
 
 
@@ -113,13 +194,12 @@ def _steps_in(plane: Plane, params: SearchParams, region: Region) -> Steps:
     return steps if region.mask is None else steps.take(region.holds(steps.xy))
 
 
-def scales_of(regions: Iterable[Region], params: SearchParams) -> Iterator[tuple[Region, int]]:
-    """Regions at the scales that suit them; at finer ones their middle, where it pays."""
-    for region in regions:
-        coarsest = max(0, math.floor(math.log2(max(region.box.side / params.coarsest_px, 1))))
-        finest = max(0, math.ceil(math.log2(max(region.box.side / params.finest_px, 1))))
-        for level in range(max(coarsest, finest), finest - 1, -1):
-            yield region, level
-        if region.mask is not None:
-            for level in range(finest - 1, -1, -1):
-                yield region.middle(params.finest_px << level), level
+def _scales_of(region: Region, params: SearchParams) -> Iterator[tuple[Region, int]]:
+    """A region at the scales that suit it; at finer ones its middle, where it pays."""
+    coarsest = max(0, math.floor(math.log2(max(region.box.side / params.coarsest_px, 1))))
+    finest = max(0, math.ceil(math.log2(max(region.box.side / params.finest_px, 1))))
+    for level in range(max(coarsest, finest), finest - 1, -1):
+        yield region, level
+    if region.mask is not None:
+        for level in range(finest - 1, -1, -1):
+            yield region.middle(params.finest_px << level), level

@@ -1,14 +1,16 @@
-"""The dense method's search: from a frame without any hint to a place on the pad.
+"""The dense method's search: from a frame without any hint to a place on a pad.
 
 Regions, scales from coarse to fine, channels: the first lattice whose cells agree with the pad
 beyond chance ends the search, so that near pads cost little more than a thumbnail. What a frame
 without a pad costs grows with its area alone: so many looks, of which only some are followed up.
+Several pads share all of it but the comparison of cells.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import tee
 
 from padstudio.arrays import Array
 from padstudio.pad.spec import Channel
@@ -16,17 +18,19 @@ from padstudio.vision.cells.correlation import Placement
 from padstudio.vision.cells.sampling import CellGrid, read_cells
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.search.edges import EdgeSet
+from padstudio.vision.search.known_pads import KnownPad
 from padstudio.vision.search.lattice import Lattice, find_lattice
 from padstudio.vision.search.line_spacing import find_lines
-from padstudio.vision.search.looks import Look, Search, scales_of
+from padstudio.vision.search.looks import Look, Search
 from padstudio.vision.search.plane_normals import find_axes
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """A lattice in the picture and the place on the pad that its cells show."""
+    """A lattice in the picture and the place on a pad that its cells show."""
 
+    known: KnownPad
     lattice: Lattice
     placement: Placement
     region: Region
@@ -44,62 +48,87 @@ class Miss:
 
 
 def sightings(frame: Search, regions: Iterable[Region]) -> Iterator[Sighting | Miss]:
-    """Look for the pad in regions of a frame, at every scale, in every layer's channel.
+    """Look for pads in regions of a frame, at every scale, in every layer's channel.
 
     Looks of much promise are searched for a lattice at once, in their order; in the end those that
     promise most of the rest, and of steep planes. Both times so many are searched at the most,
-    whatever the picture holds.
+    whatever the picture holds. When a pad was found (`Search.found`), the rest is looked at again
+    without it; looks that do not show it are not searched twice.
 
     Yields
     ------
     Sighting
-        Lattices whose cells agree with the pad, as they are found, those of much clutter last.
+        Lattices whose cells agree with a pad, as they are found, those of much clutter last.
     Miss
         At the end: what came nearest, for the diagnosis.
     """
     tries = _Tries(frame)
+    regions, again = tee(regions)
+    while True:
+        before = len(frame.found)
+        for sighting in _round(tries, regions):
+            yield sighting
+            if len(frame.found) > before:
+                break
+        else:
+            break
+        regions, again = tee(again)
+    yield tries.nearest
+
+
+def _round(tries: _Tries, regions: Iterable[Region]) -> Iterator[Sighting]:
+    """All looks once that were not searched before."""
+    frame = tries.frame
     looks: list[Look] = []
     waiting: list[tuple[float, Look, bool]] = []
-    most = frame.params.search.most_tries
-    for region, level in scales_of(regions, frame.params.search):
-        for channel in frame.indices:
+    most = left = frame.params.search.most_tries
+    for region, level in frame.places(regions):
+        for channel in frame.channels:
             look = frame.look(region, level, channel)
             if not tries.worth_while(look):
                 continue
             looks.append(look)
-            if look.promise > _PROMISING and len(looks) - len(waiting) <= most:
-                yield from tries.search(look, steep=False)
-            else:
-                waiting.append((look.promise, look, False))
-    waiting += [(look.steep_promise, look, True) for look in looks]
+            if tries.is_new(look, steep=False):
+                if look.promise > _PROMISING and left:
+                    left -= 1
+                    yield from tries.search(look, steep=False)
+                else:
+                    waiting.append((look.promise, look, False))
+    new = [look for look in looks if tries.is_new(look, steep=True)]
+    waiting += [(look.steep_promise, look, True) for look in new]
     waiting.sort(key=lambda item: -item[0])
     for promise, look, steep in waiting[:most]:
         if promise < _LEAST_PROMISE:
             break
         yield from tries.search(look, steep=steep)
     yield from tries.cluttered()
-    yield tries.nearest
 
 
 class _Tries:
-    """Lattices as they are found and compared with the pad, and what came nearest to it."""
+    """Lattices as they are found and compared with the pads, and what came nearest to one."""
 
     def __init__(self, frame: Search) -> None:
         nothing = StageFailure("edges", Reason.NO_EDGES, "no edges stand out in any channel")
         self.nearest = Miss(nothing, Region(frame.pyramid.box, None, 0), 0)
-        self._frame = frame
+        self.frame = frame
         self._cluttered: list[tuple[Lattice, Region]] = []
+        self._searched: set[tuple[Look, bool]] = set()
 
     def worth_while(self, look: Look) -> bool:
         """True where a look has edges enough to be searched."""
-        failure = _too_few(self._frame, look)
+        failure = _too_few(self.frame, look)
         if failure is not None:
             self._failed(look, failure)
         return failure is None
 
+    def is_new(self, look: Look, *, steep: bool) -> bool:
+        """True where a look was not searched yet."""
+        return (look, steep) not in self._searched
+
     def search(self, look: Look, *, steep: bool) -> Iterator[Sighting]:
         """Find a look's lattice and compare it; one of much clutter waits."""
-        lattice = find(self._frame, look, steep=steep)
+        self._searched.add((look, steep))
+        lattice = find(self.frame, look, steep=steep)
         if isinstance(lattice, StageFailure):
             self._failed(look, lattice)
         elif lattice.inlier_share < _CLEAR_SHARE:
@@ -110,11 +139,11 @@ class _Tries:
     def cluttered(self) -> Iterator[Sighting]:
         """Compare the lattices that waited, those with most of their edges on lines first."""
         self._cluttered.sort(key=lambda item: -item[0].inlier_share)
-        for lattice, region in self._cluttered[: self._frame.params.search.most_unsure]:
-            yield from self._compare(lattice, region)
+        for _ in range(min(len(self._cluttered), self.frame.params.search.most_unsure)):
+            yield from self._compare(*self._cluttered.pop(0))
 
     def _compare(self, lattice: Lattice, region: Region) -> Iterator[Sighting]:
-        placed = place(self._frame, lattice, region)
+        placed = place(self.frame, lattice, region)
         if isinstance(placed, Sighting):
             yield placed
         else:
@@ -215,19 +244,22 @@ def place(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
 def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
     best: Placement | None = None
     frame.lattices.append(lattice)
-    attempts = len(frame.lattices) * len(frame.indices)
-    for channel, index in frame.indices.items():
+    bound = frame.params.log10_false_alarm
+    for channel in frame.channels:
         cells = frame.recorder.run("decode", channel, read_lattice, frame, lattice, channel)
         if cells is None:
             continue
-        placement = frame.recorder.run("decode", channel, index.locate, cells, attempts)
-        if placement is None:
-            continue
-        bound = frame.params.log10_false_alarm
-        if placement.evidence.suffices(bound, least_kappa=_LEAST_KAPPA):
-            return Sighting(lattice, placement, region)
-        if best is None or placement.evidence.kappa > best.evidence.kappa:
-            best = placement
+        sure: list[Sighting] = []
+        for known, index in frame.at(channel):
+            placement = frame.recorder.run("decode", channel, index.locate, cells, frame.attempts)
+            if placement is None:
+                continue
+            if placement.evidence.suffices(bound, least_kappa=_LEAST_KAPPA):
+                sure.append(Sighting(known, lattice, placement, region))
+            elif best is None or placement.evidence.kappa > best.evidence.kappa:
+                best = placement
+        if sure:
+            return min(sure, key=lambda item: item.placement.evidence.log10_false_alarm)
     level = lattice.families.edges.plane.level
     if best is None:
         failure = StageFailure("decode", Reason.TOO_FEW_CELLS, "no cell of the grid lies in view")
@@ -236,10 +268,14 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
     failure = StageFailure(
         "decode",
         Reason.TOO_FEW_CELLS if evidence.kappa > _ALIKE else Reason.UNKNOWN_CODE,
-        f"read {evidence.read} cells; at the best place of this pad {evidence.wrong} differ "
+        f"read {evidence.read} cells; at the best place of {_named(frame)} {evidence.wrong} differ "
         f"({evidence.compared_with(frame.params.log10_false_alarm)})",
     )
     return Miss(failure, region, level, evidence.read, -evidence.log10_false_alarm)
+
+
+def _named(frame: Search) -> str:
+    return "this pad" if len(frame.known) == 1 else f"these {len(frame.known)} pads"
 
 
 def read_lattice(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:

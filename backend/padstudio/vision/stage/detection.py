@@ -97,6 +97,8 @@ class Detection:
     pose : Pose or None
         None where `failure` says why.
     failure : StageFailure or None
+    pad_id : str or None
+        Which pad it is, as of `padstudio.pad.identity.pad_id`; None without a pose.
     layer : {"red", "green", "blue", "outline"} or None
         What the pose rests on.
     cells_read, cells_wrong : int
@@ -126,6 +128,7 @@ class Detection:
 
     pose: Pose | None
     failure: StageFailure | None = None
+    pad_id: str | None = None
     layer: Literal["red", "green", "blue", "outline"] | None = None
     cells_read: int = 0
     cells_wrong: int = 0
@@ -194,6 +197,8 @@ class Detection:
         else:
             record |= {"status": "ok", **pose_fields(self.pose), **self._evidence()}
             record |= {"estimate": self.estimate}
+            if self.pad_id is not None:
+                record["pad_id"] = self.pad_id
             if self.single is not None:
                 record["single"] = single_fields(self.single)
         record["elapsed_ms"] = {name: round(ms, 3) for name, ms in self.elapsed_ms.items()}
