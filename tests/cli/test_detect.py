@@ -9,6 +9,7 @@ from places import ROOT
 
 from padstudio.flights import batch
 from padstudio.geometry.pose import look_at_pad
+from padstudio.pad.identity import pad_id
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -211,6 +212,55 @@ def test_a_reader_that_goes_away_is_no_error():
         process.stdout.close()
         errors = process.stderr.read()
     assert (process.returncode, errors) == (1, "")
+
+
+@pytest.fixture
+def two_pads(tmp_path):
+    """The sample pad's file, another one's, and a still that shows both; with the camera's file."""
+    import cv2
+    from dense_frames import random_pad
+
+    from padstudio.geometry.camera import Camera
+    from padstudio.pad.spec import Pad
+    from padstudio.simulate.radiance.scene import Neighbour, Scene
+    from padstudio.simulate.render import render
+
+    sample, other = Pad.load(SAMPLES / "pad.json"), random_pad(7, cells=(60, 12))
+    other.save(tmp_path / "other.json")
+    scene = Scene(pad=sample, neighbours=(Neighbour(pad=other, x_mm=1000.0, y_mm=0.0),))
+    pose = look_at_pad(1600.0, tilt_deg=8, target_mm=(350.0, 0.0))
+    camera = Camera.load(SAMPLES / "camera.yaml")
+    camera = camera.for_frame(camera.width // 2, camera.height // 2)
+    cv2.imwrite(str(tmp_path / "both.png"), render(scene, camera, pose).image)
+    return tmp_path, (pad_id(sample), pad_id(other))
+
+
+def test_several_pads_give_a_line_each(two_pads):
+    folder, ids = two_pads
+    poses = folder / "poses.jsonl"
+    result = detect("--pad", folder / "other.json", folder / "both.png", "-j", "1", "-o", poses)
+    assert result.exit_code == 0
+    lines = records(poses.read_text())
+    assert {line["pad_id"] for line in lines} == set(ids)
+    assert {line["source"] for line in lines} == {(folder / "both.png").as_posix()}
+    # Each pose is in its own pad's frame, so a trajectory of one pad does not hold them.
+    assert "pad_id" in run("export", poses, "--form", "csv").stdout.splitlines()[0]
+    assert_one_line_error(run("export", poses, "--form", "tum"), "several_pads")
+
+
+def test_pads_that_cannot_be_told_apart_leave_no_file(tmp_path):
+    poses = tmp_path / "poses.jsonl"
+    arguments = ("--pad", SAMPLES / "pad.json", SAMPLES / "height_450mm.jpg", "-o", poses)
+    assert_one_line_error(detect(*arguments), "pads_alike")
+    assert not poses.exists()
+
+
+def test_a_video_is_followed_by_one_pad(two_pads, monkeypatch):
+    folder, _ = two_pads
+    monkeypatch.setattr(batch, "is_video", lambda path: True)
+    result = detect("--pad", folder / "other.json", folder / "both.png", "-o", folder / "p.jsonl")
+    assert_one_line_error(result, "several_pads")
+    assert not (folder / "p.jsonl").exists()
 
 
 def test_two_processes_give_what_one_gives():

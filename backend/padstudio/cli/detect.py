@@ -25,7 +25,7 @@ from padstudio.cli.support import (
 from padstudio.flights import batch
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
-from padstudio.flights.tasks.detectors import Recipe
+from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.geometry.presets import load_camera
 from padstudio.media.sources import find_frames
 from padstudio.pad.spec import Pad
@@ -49,7 +49,9 @@ _EXAMPLES = (
 Frames = Annotated[
     list[str], typer.Argument(help="Pictures, videos, folders, or patterns such as **/*.jpg.")
 ]
-PadFile = Annotated[Path, typer.Option(help="Pad file.")]
+PadFiles = Annotated[
+    list[Path], typer.Option("--pad", help="Pad file; again for more pads that stills may show.")
+]
 CameraName = Annotated[
     str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
 ]
@@ -88,7 +90,7 @@ def register(app: typer.Typer) -> None:
 
 def detect(
     frames: Frames,
-    pad: PadFile,
+    pad: PadFiles,
     camera: CameraName,
     output: Output = "-",
     method: MethodName = "dense",
@@ -105,6 +107,8 @@ def detect(
 ) -> None:
     """Find the pad in frames and write their poses, one JSON object a line.
 
+    With several pads, each one that a still shows gives a line, and pad_id says which it is.
+
     A frame that cannot be read is one line with status failed, and one on stderr; the others go on.
     A run that was broken off goes on with --resume and the same arguments. EXIF orientation of
     stills is not applied, as calibrations are of the sensor's own frame.
@@ -118,16 +122,18 @@ def detect(
     recipe = _recipe(pad, camera, method, settings)
     fusion = _fusion(fuse, smooth)
     paths = find_frames(frames)
+    pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
     with _writer(output, resume=resume, force=force) as (file, earlier):
-        pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
         total = sum(len(piece.numbers) for piece in pieces)
-        outcomes = list(earlier.values())
+        outcomes, frames_done, last = list(earlier.values()), len(earlier), None
         with progress_bar("Detecting", total) as progress:
-            progress(len(outcomes))
+            progress(frames_done)
             workers = _jobs(jobs, total, len(pieces))
             for record in batch.detect(pieces, jobs=workers, done=earlier, fusion=fusion):
                 outcomes.append(_write(record, file))
-                progress(len(outcomes))
+                place = record["source"], record["frame"]
+                frames_done, last = frames_done + (place != last), place
+                progress(frames_done)
     if not quiet:
         _show_summary(outcomes)
     if not any(figures["ok"] for figures in outcomes):
@@ -135,13 +141,17 @@ def detect(
 
 
 def _recipe(
-    pad: Path, camera: str, method: Literal["dense", "paper"], params: dict[str, Any]
+    pads: list[Path], camera: str, method: Literal["dense", "paper"], params: dict[str, Any]
 ) -> Recipe:
     the_camera = load_camera(camera)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
-    content = Pad.load(pad).dumps()
-    return Recipe(content, the_camera.to_ros_yaml(), method, json.dumps(params))
+    first, *others = (Pad.load(pad).dumps() for pad in pads)
+    recipe = Recipe(first, the_camera.to_ros_yaml(), method, json.dumps(params), tuple(others))
+    if others:
+        # Pads that cannot be told apart are refused before any file is written.
+        detector_for(recipe)
+    return recipe
 
 
 def _fusion(fuse: bool, smooth: bool) -> Fusion:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,6 +12,7 @@ import numpy as np
 import typer
 
 from padstudio.cli.support import check_output, note
+from padstudio.errors import SpecError
 from padstudio.flights.exports import forms
 from padstudio.flights.exports.forms import FULL_POSES_ONLY
 from padstudio.flights.exports.options import ExportOptions
@@ -26,6 +28,8 @@ _EXAMPLES = (
     "-o flight.mcap[/]"
 )
 
+# Forms that say which pad a pose is of.
+_ANY_PADS = ("csv", "jsonl")
 _LEFT_OUT = ("quality bearing", "unknown quality")
 
 PosesFile = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
@@ -87,6 +91,7 @@ def export(
         vehicle=None if vehicle is None else _track(vehicle),
     )
     # Read once in advance, so that a fault in the last line leaves no file behind.
+    _check_pads(form, read_poses(poses))
     qualities = Counter(_quality(record) for record in read_poses(poses))
     blocks = forms.export(form, read_poses(poses), options)
     if output == "-":
@@ -108,6 +113,17 @@ def _say_left_out(form: str, qualities: Counter[str]) -> None:
         if count:
             poses = f"1 pose of {quality} is" if count == 1 else f"{count} poses of {quality} are"
             note(f"{poses} left out, as {form} holds full poses only")
+
+
+def _check_pads(form: str, records: Iterable[dict[str, Any]]) -> None:
+    """Refuse poses of several pads, each in its own frame, where a form holds one trajectory."""
+    pads = {record["pad_id"] for record in records if "pad_id" in record}
+    if len(pads) > 1 and form not in _ANY_PADS:
+        raise SpecError(
+            f"the file holds poses of {len(pads)} pads ({', '.join(sorted(pads))}), and {form} "
+            "holds those of one; select one by its pad_id, for instance with jq",
+            code="several_pads",
+        )
 
 
 def _quality(record: dict[str, Any]) -> str:

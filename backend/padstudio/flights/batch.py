@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import cv2
 
-from padstudio.errors import StudioError
+from padstudio.errors import SpecError, StudioError
 from padstudio.flights.results.fusing import Fusion, fused_records, without_covariance
 from padstudio.flights.tasks import from_rows
 from padstudio.flights.tasks.detectors import Recipe, detector_for
@@ -46,9 +46,11 @@ class Still:
     recipe: Recipe
 
     def run(self, stopped: Callable[[], bool]) -> list[Record]:
-        """Its record, alone in a list; raises where it cannot be read."""
-        detection = detector_for(self.recipe).detect(images.read(self.path))
-        return [detection.to_record(self.path.as_posix())]
+        """Its record, or one for each pad that was found; raises where it cannot be read."""
+        detector, picture = detector_for(self.recipe), images.read(self.path)
+        several = bool(self.recipe.others)
+        found = detector.detect_all(picture) if several else [detector.detect(picture)]
+        return [detection.to_record(self.path.as_posix()) for detection in found]
 
 
 @dataclass(frozen=True)
@@ -106,10 +108,21 @@ def plan(
         Read every n-th frame of videos.
     apply_rotation : bool
         Turn videos as their rotation flag says.
+
+    Raises
+    ------
+    SpecError
+        If there is a video and the recipe has several pads: a video is followed by one.
     """
     pieces: list[Piece] = []
     for path in paths:
         if is_video(path):
+            if recipe.others:
+                raise SpecError(
+                    f"{path.as_posix()} is a video, and a video is followed by one pad; give one "
+                    "--pad, or stills",
+                    code="several_pads",
+                )
             pieces += _plan_video(path, recipe, stride, apply_rotation)
         else:
             pieces.append(Piece(path.as_posix(), range(1), Still(path, recipe)))
@@ -123,7 +136,7 @@ def detect(
     done: Collection[tuple[str, int]] = frozenset(),
     fusion: Fusion = "filter",
 ) -> Iterator[Record]:
-    """Records of a poses file, one a frame, in the order of the pieces.
+    """Records of a poses file, one a frame (or a pad in it), in the order of the pieces.
 
     What cannot be read, or costs a worker its life, gives records too: ``failed`` at the stage
     ``read``, with the error's code as reason; likewise, as ``internal_error``, what brings a defect

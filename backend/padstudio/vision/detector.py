@@ -57,6 +57,11 @@ class Detector:
             _one(self.pads, "the paper's method reads")
             self._baseline = Baseline(self.pads[0], camera, self.params)
 
+    @property
+    def pad(self) -> Pad:
+        """The pad; of several the first one given."""
+        return self.pads[0]
+
     def detect(self, frame: Image | YuvFrame, *, trace: bool = False) -> Detection:
         """Find the pad in one still; of several pads that are in view, the one read best.
 

@@ -110,12 +110,12 @@ def test_a_far_sign_of_another_pad_is_not_this_one():
 
 
 def search_in(image):
-    from padstudio.vision.cells.correlation import LayerIndex
     from padstudio.vision.frame.prepare import find_stretch
+    from padstudio.vision.search.known_pads import KnownPad
 
     pyramid = Pyramid(image)
-    indices = {layer.channel: LayerIndex(sample_pad(), layer) for layer in (BLUE, RED)}
-    frame = Search(pyramid, CAMERA, find_stretch(pyramid), indices, params(), recorder())
+    known = (KnownPad.of(sample_pad()),)
+    frame = Search(pyramid, CAMERA, find_stretch(pyramid), known, params(), recorder())
     return frame, list(sightings(frame, find_regions(pyramid, sample_pad())))
 
 

@@ -47,6 +47,7 @@ COLUMNS = (
     "detail",
     "elapsed_ms",
     "estimate",
+    "pad_id",
 )
 _PLAIN = (
     "heading_deg",
@@ -93,6 +94,7 @@ def _row(record: Record) -> list[object]:
         _text(record.get("detail")),
         (record.get("elapsed_ms") or {}).get("total"),
         record.get("estimate"),
+        record.get("pad_id"),
     ]
 
 

@@ -29,12 +29,15 @@ class Recipe:
     method : {"dense", "paper"}
     params : str
         JSON object as `params_from` takes.
+    others : tuple of str
+        The content of more pad files: of pads that stills may show as well, or instead.
     """
 
     pad: str
     camera: str
     method: Method = "dense"
     params: str = "{}"
+    others: tuple[str, ...] = ()
 
 
 # The index of a large pad takes longer to build than a picture to read.
@@ -42,7 +45,7 @@ class Recipe:
 def detector_for(recipe: Recipe) -> Detector:
     """The detector of a recipe; raises as the readers of its files."""
     return Detector(
-        Pad.loads(recipe.pad),
+        [Pad.loads(text) for text in (recipe.pad, *recipe.others)],
         Camera.loads(recipe.camera),
         method=recipe.method,
         params=params_from(json.loads(recipe.params)),
