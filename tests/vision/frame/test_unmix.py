@@ -24,7 +24,8 @@ def mixed(bgr):
     )
 
 
-CAMERA = Camera(1360, 765, np.array([[943.0, 0, 679.5], [0, 943.0, 382.0], [0, 0, 1]]))
+MATRIX = np.array([[943.0, 0, 679.5], [0, 943.0, 382.0], [0, 0, 1]])
+CAMERA = Camera(1360, 765, MATRIX, readout_ms=0.0)
 
 
 @pytest.fixture(scope="module")
