@@ -75,7 +75,7 @@ class LayerIndex:
         self.pad = pad
         self.layer = layer
         self._relative = np.clip(relative_field(layer.field), -_CLIP, _CLIP)
-        self._spectra: dict[int, list[tuple[Spectrum, Spectrum]]] = {}
+        self._spectra: dict[int, tuple[list[Spectrum], list[Spectrum]]] = {}
 
     def locate(self, cells: CellGrid, attempts: int = 1) -> Placement | None:
         """The likeliest place of read cells.
@@ -99,10 +99,15 @@ class LayerIndex:
         signal = np.fft.rfft2(patch, (side, side)).conj()
         energy = np.fft.rfft2(patch * patch, (side, side)).conj()
         best: tuple[float, int, int, int] | None = None
-        for quarters, (field, ones) in enumerate(self._spectrum(side)):
+        fields, supports = self._spectrum(side)
+        # A field turned by a half overlaps as it does unturned.
+        norms = []
+        for support in supports:
+            weight = np.fft.irfft2(support * energy, (side, side))
+            norms.append(1 / np.sqrt(np.maximum(weight, _LEAST_OVERLAP)))
+        for quarters, field in enumerate(fields):
             match = np.fft.irfft2(field * signal, (side, side))
-            weight = np.fft.irfft2(ones * energy, (side, side))
-            score = match / np.sqrt(np.maximum(weight, _LEAST_OVERLAP))
+            score = match * norms[quarters % len(norms)]
             peak = int(np.argmax(score))
             if best is None or score.flat[peak] > best[0]:
                 best = (float(score.flat[peak]), quarters, *divmod(peak, side))
@@ -114,18 +119,20 @@ class LayerIndex:
         col = col - side if col >= shape[1] else col
         return self._placement(cells, quarters, row - top, col - left, attempts)
 
-    def _spectrum(self, side: int) -> list[tuple[Spectrum, Spectrum]]:
-        """Transforms of the field and of its support, turned clockwise by 0 … 3 quarters."""
+    def _spectrum(self, side: int) -> tuple[list[Spectrum], list[Spectrum]]:
+        """Transforms of the field turned clockwise by 0 … 3 quarters, and of its support: upright
+        and turned by one, or one for all turns of a square field."""
         if side not in self._spectra:
             ones = np.ones_like(self._relative)
+            shapes = 1 if ones.shape[0] == ones.shape[1] else 2
             self._spectra = {
-                side: [
-                    (
-                        np.fft.rfft2(np.rot90(self._relative, -quarters), (side, side)),
-                        np.fft.rfft2(np.rot90(ones, -quarters), (side, side)),
-                    )
-                    for quarters in range(4)
-                ]
+                side: (
+                    [
+                        np.fft.rfft2(np.rot90(self._relative, -quarters), (side, side))
+                        for quarters in range(4)
+                    ],
+                    [np.fft.rfft2(np.rot90(ones, -k), (side, side)) for k in range(shapes)],
+                )
             }
         return self._spectra[side]
 

@@ -27,7 +27,8 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 # With the sign's own outline there are four places to choose from instead of thousands, so cells
 # that are too small to be read without errors suffice.
 _LEAST_KAPPA = 0.3
-# So many quarter turns are matched: cells of two pixels tell the right one from most others.
+# So many quarter turns are matched. Not measured: even cells of two pixels should tell the right
+# one from most others.
 _TURNS = 2
 
 

@@ -1,8 +1,8 @@
 """The dense method's search: from a frame without any hint to a place on a pad.
 
 Regions, scales from coarse to fine, channels: the first lattice whose cells agree with the pad
-beyond chance ends the search, so that near pads cost little more than a thumbnail. What a frame
-without a pad costs grows with its area alone: so many looks, of which only some are followed up.
+beyond chance ends the search, so that near pads cost little more than a thumbnail. Without a pad
+the tries are bounded: only so many looks are followed up.
 Several pads share all of it but the comparison of cells.
 """
 
@@ -161,10 +161,8 @@ def _nearer(a: Miss, b: Miss) -> Miss:
 # Lattices of a smaller share of inliers are tried only when a round has found no better one; 0.7
 # and 0.95 find the same stills of the score.
 _CLEAR_SHARE = 0.85
-# Looks of more promise are searched at once; of less than the least, not at all. Of 952 looks that
-# showed the pad, in frames of other pads and cameras under fog, haze, litter, glare and odd light,
-# 2 in 100 promised less than 0.21, and the best look of a frame never less than 0.25; three
-# quarters of all looks at bare ground promise less than 0.17.
+# Looks of more promise are searched at once; of less than the least, not at all: ground of no
+# order promises some 0.1 or less.
 _PROMISING, _LEAST_PROMISE = 0.35, 0.15
 # Axes that edges agree with so little are not worth a look; 0.06 and 0.24 find the same stills.
 _LEAST_COHERENCE = 0.12
