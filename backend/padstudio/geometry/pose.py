@@ -8,6 +8,7 @@ y down, z forward.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -168,6 +169,18 @@ def look_at_pad(
     forward = rotation[:, 2]
     target = np.array([target_mm[0], target_mm[1], 0.0])
     return Pose(target + forward * (height_mm / forward[2]), rotation)
+
+
+def rotation_from_quaternion(quaternion_xyzw: Sequence[float]) -> Array:
+    """(3, 3) rotation of a unit quaternion, scalar last."""
+    x, y, z, w = np.asarray(quaternion_xyzw, float) / np.linalg.norm(quaternion_xyzw)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def rotation_from_vector(vector: Array) -> Array:

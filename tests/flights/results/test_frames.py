@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from padstudio.errors import NotFoundError
 from padstudio.flights.jobs import Flights
 from padstudio.flights.results.frames import FrameFilter, Results
-from padstudio.flights.results.rows import insert_rows, rotation_of, rows_of
+from padstudio.flights.results.rows import insert_rows, rows_of
 from padstudio.flights.results.summaries import Summaries
-from padstudio.geometry.pose import look_at_pad
+from padstudio.geometry.pose import look_at_pad, rotation_from_quaternion
 from padstudio.store.database.flight_tables import FlightRow
 from padstudio.store.store import Store
 from padstudio.vision.stage.detection import pose_fields
@@ -91,7 +91,7 @@ def test_records_come_back_as_they_were(full: Made) -> None:
 @given(st.integers(0, 2**32 - 1))
 def test_rotations_follow_from_quaternions(seed: int) -> None:
     q = np.random.default_rng(seed).normal(size=4)
-    rotation = rotation_of(q.tolist())
+    rotation = rotation_from_quaternion(q.tolist())
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(rotation) == pytest.approx(1)
 

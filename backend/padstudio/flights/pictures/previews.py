@@ -13,10 +13,9 @@ import numpy as np
 from padstudio.arrays import Array, Image
 from padstudio.errors import ImageError
 from padstudio.flights.pictures.stages import PictureJob
-from padstudio.flights.results.rows import rotation_of
 from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, read_still
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.pose import Pose
+from padstudio.geometry.pose import Pose, rotation_from_quaternion
 from padstudio.pad.spec import Pad
 
 # JPEG's, of pictures that a page plays one after the other.
@@ -124,7 +123,7 @@ def _pad_size_mm(pad: str) -> tuple[float, float]:
 
 def _project(points_mm: Array, camera: Camera, record: Mapping[str, Any], scale: float) -> Array:
     """Pixels of the picture of points in the pad frame; NaN behind the camera."""
-    rotation = rotation_of(record["quaternion_xyzw"])
+    rotation = rotation_from_quaternion(record["quaternion_xyzw"])
     pose = Pose(np.asarray(record["position_mm"], float), rotation)
     return (camera.project(pose.to_camera(points_mm)) + 0.5) * scale - 0.5
 

@@ -13,7 +13,8 @@ from sqlalchemy.orm import Session, sessionmaker
 from padstudio.flights.results.answer_cache import KeptAnswers
 from padstudio.flights.results.bins import grid_of, read_bins
 from padstudio.flights.results.height_fit import choose_samples, compare_heights
-from padstudio.flights.results.rows import rotation_of, select_rows
+from padstudio.flights.results.rows import select_rows
+from padstudio.geometry.pose import rotation_from_quaternion
 from padstudio.media.telemetry import height_at
 from padstudio.store.database.flight_tables import FlightRow, FrameRow
 
@@ -241,7 +242,7 @@ def _samples(session: Session, flight: FlightRow, count: int) -> list[dict[str, 
         if number in found:
             row, body = found[number]
             # The camera looks along its z axis.
-            axis = rotation_of(body["quaternion_xyzw"])[:, 2]
+            axis = rotation_from_quaternion(body["quaternion_xyzw"])[:, 2]
             position = [row.x_mm, row.y_mm, row.z_mm]
             sample |= {"quality": row.quality, "position_mm": position, "axis": axis.tolist()}
         samples.append(sample)

@@ -14,8 +14,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.flights.results.completed import completed
-from padstudio.flights.results.rows import rotation_of
-from padstudio.geometry.pose import Pose
+from padstudio.geometry.pose import Pose, rotation_from_quaternion
 from padstudio.vision.fusion.measurement import Fused, Measurement
 from padstudio.vision.fusion.pose_filter import PoseFilter
 from padstudio.vision.fusion.smoother import fuse
@@ -63,7 +62,9 @@ def single_record(record: Record) -> Record:
     single = record.get("single")
     if single is None:
         return record
-    pose = Pose(np.array(single["position_mm"], float), rotation_of(single["quaternion_xyzw"]))
+    pose = Pose(
+        np.array(single["position_mm"], float), rotation_from_quaternion(single["quaternion_xyzw"])
+    )
     own = {name: single[name] for name in _SINGLE if name in single}
     fused = ("single", "range_sigma_mm", "bearing_sigma_deg")
     rest = {key: value for key, value in record.items() if key not in fused}
@@ -82,7 +83,9 @@ def _measure(record: Record) -> Measurement | None:
     covariance, time_s = record.get("covariance"), record.get("time_s")
     if record["status"] != "ok" or covariance is None or time_s is None:
         return None
-    pose = Pose(np.array(record["position_mm"], float), rotation_of(record["quaternion_xyzw"]))
+    pose = Pose(
+        np.array(record["position_mm"], float), rotation_from_quaternion(record["quaternion_xyzw"])
+    )
     return Measurement(float(time_s), pose, _full_matrix(covariance))
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from sqlalchemy import Select, insert, select
 from sqlalchemy.orm import Session
 
 from padstudio.flights.results.bins import bins_of
 from padstudio.flights.results.completed import completed
+from padstudio.geometry.pose import rotation_from_quaternion
 from padstudio.store.database.flight_tables import FrameBinRow, FrameDetailRow, FrameRow
 
 Record = dict[str, Any]
@@ -98,7 +97,7 @@ def record_of(frame: FrameRow, body: Mapping[str, Any]) -> Record:
     if frame.status == "ok":
         record |= {
             "position_mm": [frame.x_mm, frame.y_mm, frame.z_mm],
-            "rotation": rotation_of(body["quaternion_xyzw"]).tolist(),
+            "rotation": rotation_from_quaternion(body["quaternion_xyzw"]).tolist(),
             "layer": frame.layer,
         }
         # Rows of an older program may be without, and then it follows from the rest.
@@ -106,15 +105,3 @@ def record_of(frame: FrameRow, body: Mapping[str, Any]) -> Record:
     else:
         record |= {"stage": frame.stage, "reason": frame.reason}
     return completed(record | {key: value for key, value in body.items() if key != "source"})
-
-
-def rotation_of(quaternion_xyzw: Sequence[float]) -> NDArray[np.float64]:
-    """(3, 3) rotation of a unit quaternion, scalar last."""
-    x, y, z, w = np.asarray(quaternion_xyzw, float) / np.linalg.norm(quaternion_xyzw)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -170,7 +170,10 @@ class Baseline:
     def _doubt(self, frame: _Frame, pose: Pose, read: LayerRead) -> StageFailure | None:
         """What the channels show against a pose, where layers share a code (`dense.scales`)."""
         refiner = Refiner(frame.pyramid, frame.camera, self.pad, self.params, 1)
-        return frame.recorder.run("pose", None, doubt, refiner, MovingPose(pose), read)
+        fault = doubt(refiner, MovingPose(pose), read)
+        if fault is not None:
+            frame.recorder.note("pose", None, fault)
+        return fault
 
     def _levels(self, frame: _Frame) -> Iterator[int]:
         """Scales of the frame, the coarser ones first: there lines are quick to find."""

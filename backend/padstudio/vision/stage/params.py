@@ -65,7 +65,7 @@ class SearchParams(_Group):
         "More edge points than this are thinned evenly; fewer are faster, and lose small cells.",
     )  # fmt: skip
     most_tries: int = parameter(
-        4, 1, 1000, "",
+        6, 1, 1000, "",
         "So many looks of much promise are searched for a lattice at once, and as many of the rest "
         "in the end; more reach worse frames, and take longer over frames without a pad.",
     )  # fmt: skip
