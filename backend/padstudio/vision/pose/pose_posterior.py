@@ -44,6 +44,8 @@ _MOST_ALIKE = 1.3
 _EDGE_RANGE, _PATTERN_RANGE_PX = 0.21, 1.0
 # Profiles are centred again as long as that moves them by more than this share of their range.
 _CENTRED, _MOST_AGAIN = 0.15, 4
+# Borders are seen within such a share of the frame of the row where they are expected.
+_SAME_ROW = 0.05
 # Blurs about both axes are alike, unless their steps say otherwise with this share of their weight.
 _ALIKE = 0.05
 # What lens model and sensor leave over stretches a picture by so much, and by so much a pixel of
@@ -88,9 +90,7 @@ def explain_edges(
     bounds : MotionBounds
     """
     found, seen = fitted
-    # At the row where a border was seen, its residual would pass for motion.
-    row_time = row_times(camera, pose.project(camera, seen.points_mm)[:, 1])
-    measured = _Measured(found.rows, seen._replace(row_time=row_time), edge_points)
+    measured = _Measured(found.rows, _at_predicted_rows(seen, pose, camera), edge_points)
     fit = measured.explain(found.rows[:, 0], None, _motion(pose), bounds)
     shaking = fit.log_odds if fit.shaken else 0.0
     range_px = _EDGE_RANGE * float(np.linalg.norm(edge_points.borders.across_mm[0]))
@@ -211,6 +211,15 @@ def _beyond(fit: RowFit, focal_px: float, range_px: float) -> float:
     return 1.0 + (sway * focal_px / range_px) ** 2
 
 
+def _at_predicted_rows(seen: Sightings, pose: MovingPose, camera: Camera) -> Sightings:
+    """Borders at the rows where a pose puts them: at those where they were seen, their residuals
+    would pass for motion."""
+    predicted = row_times(camera, pose.project(camera, seen.points_mm)[:, 1])
+    # A wide lens's polynomial has no row for some rays, or one far away.
+    near = np.abs(predicted - seen.row_time) < _SAME_ROW
+    return seen._replace(row_time=np.where(near, predicted, seen.row_time))
+
+
 class _Measured:
     """Linearized residuals of borders by rows."""
 
@@ -225,9 +234,7 @@ class _Measured:
     @classmethod
     def of(cls, edge_points: EdgePoints, pose: MovingPose, camera: Camera) -> _Measured:
         """Borders about a pose."""
-        borders, seen = edge_points.borders, edge_points.seen_by(camera)
-        row_time = row_times(camera, pose.project(camera, borders.points_mm)[:, 1])
-        seen = seen._replace(row_time=row_time)
+        seen = _at_predicted_rows(edge_points.seen_by(camera), pose, camera)
         return cls(linearize(seen, pose.state) * camera.focal_px, seen, edge_points)
 
     @property
