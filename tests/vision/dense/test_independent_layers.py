@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from dense_frames import errors, frame_of, small_camera
+from grey_frames import GREY
 
 from padstudio.arrays import Image
 from padstudio.geometry.pose import Pose, look_at_pad
@@ -49,19 +50,6 @@ def view(name: str, number: int) -> tuple[Image, Pose]:
     return frame_of(pose, pad=pad, camera=small_camera()), pose
 
 
-def grey(bgr: Image, shares: tuple[float, float, float]) -> Image:
-    mixed = np.clip(bgr.astype(float) @ shares, 0, 255).astype(np.uint8)
-    return np.repeat(mixed[:, :, None], 3, axis=2)
-
-
-def sodium(bgr: Image) -> Image:
-    """Yellow light: the blue channel shows little, and of both layers."""
-    blue, green, red = (bgr[:, :, k].astype(float) for k in range(3))
-    yellow = 0.8 * red + 0.2 * green
-    channels = [0.25 * yellow + 0.1 * blue, 0.6 * yellow, yellow]
-    return np.clip(np.stack(channels, axis=-1), 0, 255).astype(np.uint8)
-
-
 @pytest.mark.parametrize("number", range(len(VIEWS)))
 @pytest.mark.parametrize("name", SPECS)
 def test_frames_are_read_as_they_are(name: str, number: int) -> None:
@@ -81,16 +69,7 @@ def test_exchanged_channels_give_no_pose_and_a_name(name: str, number: int) -> N
 
 
 @pytest.mark.parametrize("number", range(len(VIEWS)))
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda bgr: grey(bgr, (0.114, 0.587, 0.299)),
-        lambda bgr: grey(bgr, (1 / 3, 1 / 3, 1 / 3)),
-        lambda bgr: grey(bgr, (0.15, 0.15, 0.7)),
-        sodium,
-    ],
-    ids=["luma", "monochrome", "near infrared", "sodium"],
-)
+@pytest.mark.parametrize("change", GREY.values(), ids=GREY)
 def test_grey_pictures_give_the_right_pose_or_none(change, number: int) -> None:
     bgr, pose = view("default", number)
     found = detector("default").detect(change(bgr))

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 from dense_frames import errors, frame_of, random_pad, sample_pad, small_camera
+from grey_frames import GREY, grey, sodium
 
 from padstudio.arrays import Image
 from padstudio.geometry.pose import Pose, look_at_pad
@@ -46,20 +47,6 @@ def detector() -> Detector:
     return Detector(sample_pad(), small_camera())
 
 
-def grey(bgr: Image, shares: tuple[float, float, float]) -> Image:
-    """All channels alike, of so much blue, green and red."""
-    mixed = np.clip(bgr.astype(float) @ shares, 0, 255).astype(np.uint8)
-    return np.repeat(mixed[:, :, None], 3, axis=2)
-
-
-def sodium(bgr: Image) -> Image:
-    """Yellow light: the blue channel shows little, and of both layers."""
-    blue, green, red = (bgr[:, :, k].astype(float) for k in range(3))
-    yellow = 0.8 * red + 0.2 * green
-    channels = [0.25 * yellow + 0.1 * blue, 0.6 * yellow, yellow]
-    return np.clip(np.stack(channels, axis=-1), 0, 255).astype(np.uint8)
-
-
 def exchanged(bgr: Image) -> Image:
     return np.ascontiguousarray(bgr[:, :, ::-1])
 
@@ -91,16 +78,7 @@ def test_the_same_frames_give_their_poses_as_they_are(view: int) -> None:
 
 
 @pytest.mark.parametrize("view", range(len(VIEWS)))
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda bgr: grey(bgr, (0.114, 0.587, 0.299)),
-        lambda bgr: grey(bgr, (1 / 3, 1 / 3, 1 / 3)),
-        lambda bgr: grey(bgr, (0.15, 0.15, 0.7)),
-        sodium,
-    ],
-    ids=["luma", "monochrome", "near infrared", "sodium"],
-)
+@pytest.mark.parametrize("change", GREY.values(), ids=GREY)
 def test_grey_pictures_give_the_right_pose_or_none(change, view: int) -> None:
     found = detector().detect(change(frame(view)))
     assert found.pose is None or errors(found.pose, VIEWS[view])[0] < 1.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,19 +66,8 @@ class Inks:
 
     def infrared(self) -> Inks:
         """How the same print looks to a camera that sees the near infrared alone."""
-        black, red, green, yellow, blue, magenta, cyan, white = (
-            (grey, grey, grey) for grey in self.infrared_greys
-        )
-        return Inks(
-            black=black,
-            red=red,
-            green=green,
-            blue=blue,
-            yellow=yellow,
-            magenta=magenta,
-            cyan=cyan,
-            white=white,
-        )
+        greys = [(grey, grey, grey) for grey in self.infrared_greys]
+        return replace(self._printed(greys), infrared_greys=Inks.infrared_greys)
 
     def faded(self, share: float) -> Inks:
         """The print after years in the sun: so much of its dyes is gone.
@@ -97,10 +87,14 @@ class Inks:
         left = np.full((8, 1), 1 - share)
         left[0] = 1 - share / 3
         srgb = 255.0 * srgb_from_linear(paper * (np.maximum(linear, 1e-6) / paper) ** left)
-        black, red, green, yellow, blue, magenta, cyan, white = (
-            (float(r), float(g), float(b)) for r, g, b in np.clip(srgb, 0, 255)
-        )
-        return Inks(
+        colors = [(float(r), float(g), float(b)) for r, g, b in np.clip(srgb, 0, 255)]
+        return self._printed(colors)
+
+    def _printed(self, colors: Sequence[Rgb]) -> Inks:
+        """With eight other colours, in the order of `infrared_greys`."""
+        black, red, green, yellow, blue, magenta, cyan, white = colors
+        return replace(
+            self,
             black=black,
             red=red,
             green=green,
@@ -109,7 +103,6 @@ class Inks:
             magenta=magenta,
             cyan=cyan,
             white=white,
-            infrared_greys=self.infrared_greys,
         )
 
     def reflectance(self, colors: NDArray[np.uint8]) -> NDArray[np.float32]:
