@@ -157,19 +157,23 @@ def test_borders_of_a_shaken_frame_are_looked_for_where_they_are_seen():
     assert np.abs(off).max() < 0.1 * np.abs(still).max()
 
 
-def found_within(every, reach_px, looks):
-    """The borders that are seen within reach of where they are looked for; counted in ``looks``."""
+class FoundWithin:
+    """Finds the borders that are seen within reach of where they are looked for, and counts them.
 
-    def look(about, sway):
-        points = every.borders.points_mm
-        points = points if sway is None else sway.seen_at(points, CAMERA, about)
-        off = every.xy - about.project(CAMERA, points)
-        which = np.flatnonzero(np.hypot(*off.T) < reach_px)
-        looks.append(len(which))
+    It stands for an `EdgeFinder`.
+    """
+
+    def __init__(self, every, reach_px):
+        self.every, self.reach_px, self.looks = every, reach_px, []
+
+    def find(self, pose, sway=None):
+        every, points = self.every, self.every.borders.points_mm
+        points = points if sway is None else sway.seen_at(points, CAMERA, pose)
+        off = every.xy - pose.project(CAMERA, points)
+        which = np.flatnonzero(np.hypot(*off.T) < self.reach_px)
+        self.looks.append(len(which))
         part = every.xy[which], every.weight[which], every.blur_px2[which]
-        return EdgePoints(every.borders.take(which), *part, again=look)
-
-    return look
+        return EdgePoints(every.borders.take(which), *part, finder=self)
 
 
 def test_profiles_are_centred_again_where_a_shaking_exceeds_their_reach():
@@ -177,13 +181,14 @@ def test_profiles_are_centred_again_where_a_shaking_exceeds_their_reach():
     for seed in range(8):
         rng = np.random.default_rng(seed)
         pose = random_pose(rng, HEIGHT_MM, tilt_deg=10.0)
-        every, looks = seen_by(pose, vibration(rng, 0.003, 2.0), seed=seed), []
-        first = found_within(every, 1.2, looks)(MovingPose(pose), None)
+        every = seen_by(pose, vibration(rng, 0.003, 2.0), seed=seed)
+        finder = FoundWithin(every, 1.2)
+        first = finder.find(MovingPose(pose))
         fit = fit_pose(MovingPose(pose), first, CAMERA, MotionModel(moving=False))
         assert fit is not None
         squares.append(squared_error(fit.settled(), pose))
-        assert looks[0] < 0.5 * len(every.xy)
-        assert looks[-1] > 0.95 * len(every.xy)
+        assert finder.looks[0] < 0.5 * len(every.xy)
+        assert finder.looks[-1] > 0.95 * len(every.xy)
     assert 0.3 < np.mean(squares) < 1.5
 
 

@@ -12,7 +12,6 @@ doi:10.1109/TPAMI.2002.1017620.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,8 +83,8 @@ class EdgePoints:
         squared.
     pixel : float
         Side of a pixel of the picture that they were found in, frame pixels.
-    again : callable or None
-        Finds all of the borders anew, where a pose and a shaking put them.
+    finder : EdgeFinder or None
+        Finds all of the borders anew.
     """
 
     borders: Borders
@@ -93,7 +92,7 @@ class EdgePoints:
     weight: Array
     blur_px2: Array
     pixel: float = 1.0
-    again: Callable[[MovingPose, Sway], EdgePoints] | None = None
+    finder: EdgeFinder | None = None
 
     def seen_by(self, camera: Camera) -> Sightings:
         """As least squares take them."""
@@ -112,6 +111,29 @@ class EdgePoints:
         borders, weight = self.borders.take(which), self.weight[which]
         xy, blur = self.xy[which], self.blur_px2[which]
         return replace(self, borders=borders, xy=xy, weight=weight, blur_px2=blur)
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeFinder:
+    """Finds borders in a picture, as of `find_edge_points`, about any pose.
+
+    It holds the picture: what is found must not be held by it in turn, as frames would then stay in
+    memory until the collector of cycles runs.
+    """
+
+    borders: Borders
+    window: Window
+    camera: Camera
+    reach_px: float
+
+    def find(self, pose: MovingPose, sway: Sway | None = None) -> EdgePoints:
+        """Where a pose, and a shaking besides, put them."""
+        points = self.borders.points_mm
+        points = points if sway is None else sway.seen_at(points, self.camera, pose)
+        at, projector = self.borders._replace(points_mm=points), pose.projector(self.camera)
+        found = edge_points_kernel.find_borders(at, projector, self.window, self.reach_px)
+        which, xy, weight, blur = found
+        return EdgePoints(self.borders.take(which), xy, weight, blur, self.window.pixel, self)
 
 
 def visible_borders(pad: Pad, layer: Layer, camera: Camera, pose: MovingPose, most: int) -> Borders:
@@ -176,12 +198,4 @@ def find_edge_points(
         Half length of a profile, pixels of the window; never more than 0.42 of a cell.
     """
 
-    def find(pose: MovingPose, sway: Sway | None) -> EdgePoints:
-        points = borders.points_mm
-        points = points if sway is None else sway.seen_at(points, camera, pose)
-        which, xy, weight, blur = edge_points_kernel.find_borders(
-            borders._replace(points_mm=points), pose.projector(camera), window, reach_px
-        )
-        return EdgePoints(borders.take(which), xy, weight, blur, window.pixel, find)
-
-    return find(pose, None)
+    return EdgeFinder(borders, window, camera, reach_px).find(pose)

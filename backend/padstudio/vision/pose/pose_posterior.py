@@ -125,11 +125,12 @@ def _measured_again(
     looked_with = np.zeros_like(fit.sway)
     for _ in range(_MOST_AGAIN):
         change_px = camera.focal_px * _spread(fit.sway - looked_with)
-        if measured.edge_points.again is None or change_px < _CENTRED * range_px or not fit.shaken:
+        finder = measured.edge_points.finder
+        if finder is None or change_px < _CENTRED * range_px or not fit.shaken:
             break
         moved = pose.moved(np.concatenate([fit.step[:6], fit.motion - _motion(pose)]))
         sway = measured.sway(fit)
-        edge_points = measured.edge_points.again(moved, sway)
+        edge_points = finder.find(moved, sway)
         if len(edge_points.xy) < LEAST_BORDERS:
             break
         pose, measured = moved, _Measured.of(edge_points, moved, camera)
