@@ -62,6 +62,13 @@ class CameraFormatError(StudioError):
     status = 422
 
 
+class CalibrationError(StudioError):
+    """Pictures do not tell a camera; the message says what others would."""
+
+    code = "no_calibration"
+    status = 422
+
+
 class CameraMismatchError(StudioError):
     """A frame's size does not fit the camera's calibration."""
 

@@ -150,7 +150,7 @@ def test_the_calibrated_size_needs_no_other_camera():
 
 
 def test_another_aspect_is_refused_by_name():
-    with pytest.raises(CameraMismatchError, match="1280 x 960 of another aspect"):
+    with pytest.raises(CameraMismatchError, match="1280 x 960, of another aspect"):
         LENSES["pinhole"].for_frame(1280, 720)
 
 

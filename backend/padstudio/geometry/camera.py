@@ -179,11 +179,18 @@ class Camera:
             return self
         sx, sy = width / self.width, height / self.height
         if abs(sx / sy - 1) > _ASPECT_TOLERANCE:
+            turned = abs(width * self.width / (height * self.height) - 1) <= _ASPECT_TOLERANCE
+            what = "turned by a quarter" if turned else "of another aspect"
+            todo = "turn the picture back, as the sensor gave it, or" if turned else ""
             raise CameraMismatchError(
                 f"the frame is {width} x {height}, camera {self.name!r} is calibrated for "
-                f"{self.width} x {self.height} of another aspect; choose the camera file made at "
-                "the frame's size",
-                detail={"frame": [width, height], "camera": [self.width, self.height]},
+                f"{self.width} x {self.height}, {what}; {todo} choose the camera file made at "
+                "the frame's size".replace(";  ", "; "),
+                detail={
+                    "frame": [width, height],
+                    "camera": [self.width, self.height],
+                    "turned": turned,
+                },
             )
         matrix = self.matrix.copy()
         # Pixel centres are integers, so the picture's corner lies at -0.5.

@@ -11,6 +11,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.bend.bent_fit import (
+    USUAL,
     BentFit,
     amplitude_of,
     bent_covariance,
@@ -48,7 +49,7 @@ def best_fit(fit, points_mm):
 
 def test_the_pose_is_found_with_the_sheet():
     edge_points, sheet = seen()
-    fit, log_odds = first_bent(edge_points, CAMERA, TRUE, max(PAD.size_mm))
+    fit, log_odds = first_bent(edge_points, CAMERA, TRUE, max(PAD.size_mm), USUAL)
     points = edge_points.borders.points_mm
     found, expected = best_fit(fit, points), sheet.relative(TRUE, points)
     assert log_odds > 1000

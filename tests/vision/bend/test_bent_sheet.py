@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from dense_frames import errors, sample_pad, small_camera
 
@@ -13,7 +12,6 @@ from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.radiance.scene import Scene
 from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
-from padstudio.vision.bend.bent_sheet import common_px
 
 POSE = look_at_pad(450.0, tilt_deg=18, heading_deg=40, tilt_towards_deg=150)
 WAVES = Relief((Wave(amplitude_mm=5.0, length_mm=420.0, toward_deg=30.0),))
@@ -24,16 +22,6 @@ def detection(lay):
     imaging = replace(Imaging(), exposure_ms=0.0)
     frame = render(Scene(pad=pad, lay=lay), camera, POSE, imaging, seed=3)
     return Detector(pad, camera).detect(frame.image)
-
-
-def test_neighbours_that_lie_alike_are_noticed_and_noise_is_not():
-    rng = np.random.default_rng(1)
-    noise, rise = 0.1 * rng.normal(size=1000), rng.normal(size=1000)
-    heights = np.sin(np.arange(1000) / 20)
-    assert abs(common_px(noise, rise, np.ones(1000)).deviations) < 3
-    bent = common_px(noise + 0.1 * np.sign(rise) * heights, rise, np.ones(1000))
-    assert bent.deviations > 10
-    assert 0.04 < bent.px < 0.1 * np.sqrt(0.5)
 
 
 def test_the_pose_of_waving_paper_is_found_with_its_heights():

@@ -80,16 +80,3 @@ def test_blocks_are_those_cut_out(rows, cols, block, seed):
         there = values[part][seen[part]].astype(float)
         plain = (values[r, c] - there.mean()) / max(there.std(), 0.5) if seen[r, c] else 0.0
         assert abs(found[r, c] - plain) < 1e-4
-
-
-@pytest.mark.parametrize("count", [2, 3, 4])
-def test_levels_that_occur_equally_often_are_told_apart(count):
-    field = np.random.default_rng(count).integers(0, count, (40, 40))
-    seen = np.ones(field.shape, bool)
-    seen[3, 4] = False
-    relative = ((field - field.mean()) / field.std()).astype(np.float32)
-    found = cells_kernel.to_levels(relative, seen, count)
-    assert found.dtype == np.int8
-    assert found[3, 4] == -1
-    np.testing.assert_array_equal(found[seen], field[seen])
-    assert cells_kernel.to_levels(1e6 * relative, seen, count).max() == count - 1

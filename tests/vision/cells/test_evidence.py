@@ -135,3 +135,16 @@ def test_smooth_random_patches_never_suffice():
         for index in indices:
             placement = index.locate(cell_grid(patch))
             assert placement is None or not placement.evidence.suffices(-7)
+
+
+@pytest.mark.parametrize(
+    ("log10", "kappa", "says"),
+    [
+        (0.0, 0.1, "any picture may match so well; a chance of 10^-9 is needed"),
+        (-0.04, 0.1, "any picture may match so well; a chance of 10^-9 is needed"),
+        (-3.21, 0.5, "chance of such a match 10^-3.2, 10^-9 is needed"),
+        (-20.0, 0.05, f"they agree by 0.05 beyond chance, {LEAST_KAPPA:g} is needed"),
+    ],
+)
+def test_what_evidence_lacks_is_said_in_words_that_mean_something(log10, kappa, says):
+    assert Evidence(50, 20, log10, kappa).compared_with(-9.0) == says

@@ -74,3 +74,27 @@ def test_a_field_looks_as_its_cells_would():
     field = np.random.default_rng(2).integers(0, 2, (30, 30)).astype(np.uint8)
     relative = relative_field(field)
     assert ((relative > 0) == (field == 1)).mean() > 0.99
+
+
+def test_where_nothing_differs_no_code_is_read():
+    pad = random_pad(7, cells=(25,), cell_mm=(50.0,), channels=("red",))
+    layer, camera, pose = pad.layers[0], small_camera(), look_at_pad(1300.0)
+    image = frame_of(pose, pad=pad, camera=camera, imaging=IDEAL)
+    image[120:360, 200:440] = 255
+
+    def to_pixels(at):
+        return MovingPose(pose).project(camera, lattice_mm(pad, layer, at))
+
+    pyramid = Pyramid(image)
+    cells = read_cells(pyramid, layer.channel, to_pixels, (0, layer.cols), (0, layer.rows))
+    x, y = cells.xy[..., 0], cells.xy[..., 1]
+    amid = (abs(x - 320) < 120 - 4 * cells.cell_px) & (abs(y - 240) < 120 - 4 * cells.cell_px)
+    outside = (abs(x - 320) > 130) | (abs(y - 240) > 130)
+    assert amid.any()
+    assert not cells.seen[amid].any()
+    assert (cells.levels(2)[amid] == -1).all()
+    whole = read_cells(
+        Pyramid(frame_of(pose, pad=pad, camera=camera, imaging=IDEAL)),
+        layer.channel, to_pixels, (0, layer.cols), (0, layer.rows),
+    )  # fmt: skip
+    np.testing.assert_array_equal(cells.seen[outside], whole.seen[outside])

@@ -80,14 +80,56 @@ def test_the_order_of_the_pads_and_another_run_change_nothing():
             assert a.log10_false_alarm == b.log10_false_alarm
 
 
-def test_the_best_one_comes_first_and_is_what_detect_gives():
+def test_the_best_one_comes_first():
     first, second, _ = pads()
     image, _ = view(first, second)
-    detector = Detector([first, second], CAMERA)
-    found = detector.detect_all(image)
+    found = Detector([first, second], CAMERA).detect_all(image)
     assert found[0].quality == "full"
     assert found[0].log10_false_alarm <= found[1].log10_false_alarm
-    assert detector.detect(image).pad_id == found[0].pad_id
+
+
+@pytest.mark.parametrize("shown", [0, 1])
+def test_where_one_is_asked_for_the_search_ends_with_the_one_in_view(shown, monkeypatch):
+    known = pads()[:2]
+    image, (pose,) = view(known[shown])
+    looks = []
+    plain_find = search_module.find
+
+    def find(*args, **kwargs):
+        looks.append(args)
+        return plain_find(*args, **kwargs)
+
+    monkeypatch.setattr(search_module, "find", find)
+    assert_near(Detector(known[shown], CAMERA).detect(image), pose)
+    alone = len(looks)
+    found = Detector(known, CAMERA).detect(image)
+    assert found.pad_id == pad_id(known[shown])
+    assert_near(found, pose)
+    assert len(looks) == 2 * alone
+    both, _ = view(*known)
+    looks.clear()
+    assert Detector(known, CAMERA).detect(both).ok
+    one = len(looks)
+    assert len(Detector(known, CAMERA).detect_all(both)) == 2
+    assert len(looks) > 2 * one
+
+
+def test_a_video_follows_the_pad_in_view_and_then_the_next():
+    known = pads()
+    poses = [look_at_pad(1200.0 - 5 * step, tilt_deg=8, heading_deg=25) for step in range(4)]
+    shown = [known[1], known[2]]
+    frames = [frame_of(pose, pad=pad, camera=CAMERA) for pad in shown for pose in poses]
+    bare = render(Scene(pad=None, ground="grass"), CAMERA, poses[0]).image
+    frames.insert(2, bare)
+    truth = [poses[0], poses[1], None, poses[2], poses[3], *poses]
+    ids = [None if pose is None else pad_id(shown[number > 4]) for number, pose in enumerate(truth)]
+    for options in ({}, {"smooth": True}, {"fuse": False}):
+        found = list(Detector(known, CAMERA).track(frames, **options))
+        assert [item.pad_id for item in found] == ids
+        for item, pose in zip(found, truth, strict=True):
+            if pose is not None:
+                assert_near(item, pose)
+                assert item.single is None or not item.single.is_outlier
 
 
 def test_pads_that_are_not_in_view_are_not_found():
@@ -144,6 +186,8 @@ def test_lattices_are_sought_once_for_all_pads(monkeypatch):
         return plain_locate(self, cells, attempts)
 
     monkeypatch.setattr(search_module, "find", find)
+    # What is left out as another pattern depends on the pads.
+    monkeypatch.setattr(search_module, "is_foreign", lambda *_: False)
     monkeypatch.setattr(LayerIndex, "locate", locate)
     assert not Detector(others, CAMERA).detect(image).ok
     two = counts["find"]
@@ -176,5 +220,3 @@ def test_what_cannot_be_told_apart_or_followed_is_refused():
         assert refused.value.error_code == (code or "pads_alike")
     with pytest.raises(SpecError, match="one pad"):
         Detector([first, second], CAMERA, method="paper")
-    with pytest.raises(SpecError, match="one pad"):
-        Detector([first, second], CAMERA).track([])

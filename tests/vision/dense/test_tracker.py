@@ -1,5 +1,7 @@
 """What the next frame should show, and the shutter's share of the time between two."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dense_frames import errors, frame_of, sample_pad, small_camera
@@ -87,6 +89,21 @@ def test_a_motion_that_contradicts_itself_is_not_known():
     expected = tracker.expect()
     assert expected is not None
     assert expected.motion is None
+
+
+def test_a_shaking_tells_nothing_of_the_shutter():
+    tracker = Tracker()
+    for frame in range(8):
+        tracker.learn(replace(seen(frame, 0.05), shaking=20.0))
+    assert tracker.expect().motion is None
+    for frame in range(8, 16):
+        tracker.learn(seen(frame, 0.6))
+    step = path(15 / FPS).position_mm - path(14 / FPS).position_mm
+    known = tracker.expect().motion
+    np.testing.assert_allclose(known.shift_mm, 0.6 * step, atol=0.03 * abs(step[2]))
+    # What was learnt before is no use for a frame that shakes.
+    tracker.learn(replace(seen(16, 0.6), shaking=20.0))
+    assert tracker.expect().motion is None
 
 
 def flight_frames(count):

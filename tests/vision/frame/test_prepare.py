@@ -95,3 +95,11 @@ def test_a_clean_picture_stays_as_it_is():
     found = find_denoise(Pyramid(image).brightness, 0.005)
     assert not found.applied
     assert denoised(image, found) is image
+
+
+def test_a_picture_is_grey_where_its_channels_are_alike():
+    grey = ramp(20, 220)
+    assert find_stretch(Pyramid(grey)).grey
+    tinted = grey.copy()
+    tinted[100:140, 100:180, 2] += 20
+    assert not find_stretch(Pyramid(tinted)).grey

@@ -16,6 +16,7 @@ from padstudio.vision.baseline.line_grid import LineGrid, find_line_grid
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import canvas, stages
 from padstudio.vision.overlays.baseline import PAINTERS
+from padstudio.vision.overlays.result import result_picture
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def test_edges_stand_out_of_their_dilation(near):
 def test_the_outline_is_drawn_and_the_result_shows_axes(far, near):
     assert count(stages.stage_picture(far.trace, "outline"), canvas.RIGHT) > 500
     for detection in (far, near):
-        result = stages.result_picture(detection.trace, detection)
+        result = result_picture(detection.trace, [detection])
         plain = canvas.fit(detection.trace.image, stages.MAX_WIDTH)
         assert result.shape == plain.shape
         assert (result != plain).any(axis=2).sum() > 2000

@@ -1,6 +1,7 @@
 """Pictures of the stages, and what is drawn into them; what a trace holds."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
 from padstudio.vision.detector import Detector
 from padstudio.vision.overlays import canvas
-from padstudio.vision.overlays.stages import MAX_WIDTH, result_picture, stage_picture
+from padstudio.vision.overlays.result import result_picture
+from padstudio.vision.overlays.stages import MAX_WIDTH, stage_picture
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
 
@@ -54,7 +56,7 @@ def test_stages_for_all_channels_and_none_that_did_not_run(seen):
 
 
 def test_cells_that_agree_are_marked_green_where_they_are(seen):
-    picture = result_picture(seen.trace, seen)
+    picture = result_picture(seen.trace, [seen])
     cells = seen.trace.get("choose").output.read.cells
     expected = seen.trace.get("choose").output.read.expected
     agree = (cells.levels(2) == expected) & cells.seen
@@ -65,8 +67,34 @@ def test_cells_that_agree_are_marked_green_where_they_are(seen):
     assert green.mean() > 0.5
 
 
+def count(picture, color):
+    return int((picture == np.array(color, np.uint8)).all(axis=2).sum())
+
+
+def test_where_the_bearing_alone_is_known_its_end_is_marked_instead_of_axes(seen):
+    posed = seen.trace.get("pose").output
+    unsure = replace(posed, fit=replace(posed.fit, doubt=np.full(6, 1e3)))
+    for found, drawn, left_out in (
+        (posed, canvas.AXES, [canvas.FIRST]),
+        (unsure, [canvas.FIRST], canvas.AXES),
+    ):
+        picture = np.zeros_like(seen.trace.image)
+        canvas.Canvas(picture, 1.0).axes(found)
+        assert all(count(picture, color) > 20 for color in drawn)
+        assert not any(count(picture, color) for color in left_out)
+
+
+@pytest.mark.parametrize(("centre", "ring"), [((400.0, 200.0), True), ((-3000.0, 900.0), False)])
+def test_a_ring_about_the_pads_centre_or_an_arrow_to_it(centre, ring):
+    picture = np.zeros((480, 640, 3), np.uint8)
+    canvas.Canvas(picture, 1.0).way_to(np.array(centre), 16_200.0, 90.0)
+    around = picture[180:221, 380:421].any()
+    assert bool(around) == ring
+    assert bool(picture[235:245, 315:325].any()) != ring
+
+
 def test_a_frame_without_a_pose_is_shown_as_it_is(unseen):
-    picture = result_picture(unseen.trace, unseen)
+    picture = result_picture(unseen.trace, [unseen])
     np.testing.assert_array_equal(picture, unseen.trace.image)
 
 

@@ -7,7 +7,11 @@ from dense_frames import errors, frame_of, random_pose, sample_pad, small_camera
 from padstudio.geometry.planar_pnp import mirrored
 from padstudio.geometry.pose import look_at_pad
 from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.simulate.motion import Motion
+from padstudio.simulate.radiance.scene import Scene
+from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
+from padstudio.simulate.vibration import Vibration
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.image_alignment import Match, _stretch
 from padstudio.vision.pose.least_squares import MOVING, STILL
@@ -97,6 +101,26 @@ def test_a_picture_blurred_beyond_its_pattern_leaves_the_attitude_in_doubt():
         assert fit is not None
         sigma.append(np.sqrt(np.diag(fit.covariance)[5]) * CAMERA.focal_px)
     assert sigma[1] > 0.5 > sigma[0]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_far_pad_in_rows_that_shake_is_matched_until_they_fit(seed):
+    """A still camera would have to lean by several degrees to show the same shear."""
+    rng = np.random.default_rng(seed)
+    pose = look_at_pad(5000.0, tilt_deg=4.0, heading_deg=100.0 * seed)
+    shaking = tuple(Vibration.drawn(rng, hz, 0.1) for hz in (93.0, 141.0))
+    imaging = Imaging(exposure_ms=0.0, readout_ms=20.0)
+    scene, motion = Scene(pad=sample_pad()), Motion(vibrations=shaking)
+    image = render(scene, CAMERA, pose, imaging, seed, motion=motion).image
+    match = Match.of(Pyramid(image), CAMERA, sample_pad(), MovingPose(pose), 16_000)
+    still = match.fit(MovingPose(pose), STILL)
+    # A fit that went astray does not change what an earlier one says.
+    match.fit(still.pose.moved(np.r_[np.zeros(6), np.full(6, 0.02)]), MOVING)
+    found = still.settled()
+    assert found.shaking > 10
+    assert errors(found.pose.pose, pose)[1] < 1.2 < errors(still.pose.pose, pose)[1]
+    error = found.pose.step_to(MovingPose(pose))
+    assert error @ np.linalg.solve(found.covariance, error) / 6 < 4
 
 
 def test_steps_that_go_a_part_of_the_way_are_lengthened_by_what_they_leave():

@@ -6,7 +6,8 @@ import pytest
 from dense_frames import small_camera
 
 from padstudio.vision.frame.pyramid import Plane
-from padstudio.vision.search.edges import find_edges
+from padstudio.vision.search import edges_kernel
+from padstudio.vision.search.edges import find_edges, find_steps
 from padstudio.vision.stage.params import SearchParams
 
 
@@ -47,6 +48,21 @@ def test_rays_and_tangent_planes_are_the_cameras(level, lens):
         # On a pinhole the tangent plane's normal shows the step's own.
         shown = edges.lines[:, :2] / np.linalg.norm(edges.lines[:, :2], axis=1, keepdims=True)
         assert np.median(np.abs(shown @ normal)) > 0.999
+
+
+@pytest.mark.parametrize("beyond", range(0, 64, 12))
+def test_steepness_is_the_same_wherever_it_lies_in_memory(beyond):
+    """Each of square, sum and root is rounded once, as IEEE 754 has it."""
+    rng = np.random.default_rng(beyond)
+    raw = np.zeros(2 * 97 * 131 * 4 + 64, np.uint8)[beyond:][: 2 * 97 * 131 * 4]
+    gx, gy = raw.view(np.float32).reshape(2, 97, 131)
+    gx[:], gy[:] = rng.normal(0, 50, (2, 97, 131))
+    np.testing.assert_array_equal(edges_kernel.steepness(gx, gy), np.sqrt(gx * gx + gy * gy))
+    plane = Plane(rng.integers(0, 256, (97, 131)).astype(np.float32), "red", 0, 0, 0)
+    smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
+    gx, gy = (cv2.Scharr(smooth, cv2.CV_32F, *way, scale=1 / 32) for way in ((1, 0), (0, 1)))
+    possible = np.sqrt(gx * gx + gy * gy)
+    assert np.isin(find_steps(plane, SearchParams()).strength, possible).all()
 
 
 def test_dim_parts_keep_their_edges():

@@ -76,3 +76,16 @@ def test_a_pad_promises_more_than_any_ground_of_no_order():
     ]
     assert promises[0] > 0.4
     assert promises[1] < 0.15
+
+
+def test_a_grey_picture_is_looked_at_once_and_in_its_middle_at_full_scale():
+    pose = look_at_pad(1100.0, tilt_deg=12, heading_deg=33)
+    colour = frame_of(pose, camera=small_camera())
+    grey = np.repeat(colour.mean(axis=2, keepdims=True).round().astype(np.uint8), 3, axis=2)
+    large = np.repeat(np.repeat(grey, 3, axis=0), 3, axis=1)
+    frame = search_of(large)
+    assert frame.stretch.grey
+    assert len(frame.looked_at) == 1
+    whole = find_regions(frame.pyramid, sample_pad())[-1:]
+    assert min(level for _, level in frame.places(whole)) == 0
+    assert search_of(colour).looked_at == search_of(colour).channels

@@ -6,14 +6,26 @@ from dataclasses import dataclass, field, fields, is_dataclass
 import pytest
 
 from padstudio.errors import SpecError
-from padstudio.vision.stage.parameter import Parameter, check, parameter, parameters_of, switch
+from padstudio.vision.stage.parameter import (
+    Parameter,
+    Scope,
+    check,
+    parameter,
+    parameters_of,
+    switch,
+    values_at,
+)
 from padstudio.vision.stage.params import DetectorParams
+from padstudio.vision.stage.trace import STAGES
 
 
 @dataclass(frozen=True, kw_only=True)
 class Inner:
-    most: int = parameter(30, 10, 100, "px", "The most.")
+    most: int = parameter(30, 10, 100, "px", "The most.", Scope(("edges", "lines"), ("dense",)))
     few: int = parameter(20, 5, "most", "", "Some of them.")
+
+
+HERE = Scope(("edges", "lines"), ("dense",))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +39,7 @@ def test_all_parameters_are_listed_in_order():
     assert list(parameters_of(Outer())) == [
         Parameter("share", "", "float", 0.5, 0.0, 1.0, None, None, "share", "A share."),
         Parameter("on", "", "bool", True, 0, 1, None, None, "", "Do it."),
-        Parameter("inner.most", "inner", "int", 30, 10, 100, None, None, "px", "The most."),
+        Parameter("inner.most", "inner", "int", 30, 10, 100, None, None, "px", "The most.", HERE),
         Parameter("inner.few", "inner", "int", 20, 5, 100, None, "most", "", "Some of them."),
     ]
 
@@ -60,3 +72,14 @@ def test_every_parameter_of_the_detector_is_told_in_one_sentence(item):
     assert re.fullmatch(r"[A-Z][^.]*(\.\d[^.]*)*\.", item.text)
     assert item.low <= item.default <= item.high
     assert item.low < item.high
+
+
+@pytest.mark.parametrize("item", list(parameters_of(DetectorParams())), ids=lambda item: item.name)
+def test_every_parameter_of_the_detector_knows_its_stages(item):
+    assert item.scope.stages
+    assert set(item.scope.stages) <= set(STAGES)
+
+
+def test_a_stage_sees_the_values_that_name_it():
+    assert values_at(Outer(inner=Inner(most=40)), "lines") == ((40,),)
+    assert values_at(Outer(), "pose") == ((),)

@@ -13,6 +13,7 @@ from padstudio.geometry.camera import Camera
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.frame.regions import Region
+from padstudio.vision.search.edges_kernel import steepness
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -109,8 +110,9 @@ def _steepest(plane: Plane, thin: Image) -> Array:
     through it and its neighbours.
     """
     smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
-    gx, gy = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
-    steep = np.pad(np.asarray(cv2.magnitude(gx, gy)), _SEARCH + 1, mode="edge")
+    gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0), np.float32)
+    gy = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1), np.float32)
+    steep = np.pad(steepness(gx, gy), _SEARCH + 1, mode="edge")
     y, x = np.nonzero(thin)
     along_x = np.abs(gx[y, x]) >= np.abs(gy[y, x])
     offsets = np.arange(-_SEARCH - 1, _SEARCH + 2)

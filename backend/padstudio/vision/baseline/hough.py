@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.vision.baseline import lines_kernel
 from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -74,16 +74,23 @@ def find_merged_lines(edges: EdgeMap, params: PaperParams) -> Lines | StageFailu
     # A distorted line is straight over a segment's length, but not over a family's.
     segments = edges.straighten(segments.reshape(-1, 2)).reshape(-1, 2, 2)
     points = edges.straighten(edges.points)
-    groups = _merge(segments, _lengths(segments))
-    ends, support = _joined(segments, groups)
-    most = np.argsort(-support, kind="stable")[:_MOST_LINES]
+    group = lines_kernel.merge(segments, _best_first(_lengths(segments)), _NEAR)
+    ends, support = lines_kernel.join(segments, group)
+    most = _best_first(support)[:_MOST_LINES]
     # Short pieces point a little astray; once lines are long, what is left over finds its line.
-    again = _merge(_sharpen(ends[most], points), support[most])
-    groups = [np.concatenate([groups[most[k]] for k in group]) for group in again]
-    ends, support = _joined(segments, groups)
-    order = np.argsort(-support, kind="stable")
+    sharp = lines_kernel.sharpen(ends[most], points, _NEAR)
+    again = np.full(len(ends), -1)
+    again[most] = lines_kernel.merge(sharp, _best_first(support[most]), _NEAR)
+    group = again[group]
+    kept = group >= 0
+    ends, support = lines_kernel.join(segments[kept], group[kept])
+    order = _best_first(support)
     ends, support = ends[order], support[order]
-    return Lines(_sharpen(ends, points), support, segments, edges)
+    return Lines(lines_kernel.sharpen(ends, points, _NEAR), support, segments, edges)
+
+
+def _best_first(support: Array) -> NDArray[np.intp]:
+    return np.argsort(-support, kind="stable")
 
 
 def homogeneous(ends: Array) -> Array:
@@ -108,81 +115,8 @@ def _hough(edges: EdgeMap, params: PaperParams) -> Array:
         return np.zeros((0, 2, 2))
     # OpenCV 4 gives (N, 1, 4), OpenCV 5 (N, 4).
     segments = np.asarray(found, float).reshape(-1, 2, 2)
-    order = np.argsort(-_lengths(segments), kind="stable")
-    return segments[order[:_MOST_SEGMENTS]]
+    return segments[_best_first(_lengths(segments))[:_MOST_SEGMENTS]]
 
 
 def _lengths(ends: Array) -> Array:
     return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), float)
-
-
-def _merge(pieces: Array, support: Array) -> list[NDArray[np.intp]]:
-    """Groups of pieces that lie on one line, the best supported piece first."""
-    free = np.ones(len(pieces), bool)
-    groups = []
-    for k in np.argsort(-support, kind="stable"):
-        if not free[k]:
-            continue
-        members = free & _on(homogeneous(pieces[k : k + 1])[0], pieces)
-        members[k] = True
-        members |= free & _on(_through(pieces[members].reshape(-1, 2)), pieces)
-        free &= ~members
-        groups.append(np.flatnonzero(members))
-    return groups
-
-
-def _joined(pieces: Array, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
-    """Ends (M, 2, 2) of the lines through groups of pieces, and the length that they cover."""
-    ends, support = [], []
-    for group in groups:
-        line = _through(pieces[group].reshape(-1, 2))
-        first, last, length = _cover(line, pieces[group])
-        ends.append([first, last])
-        support.append(length)
-    return np.array(ends), np.array(support)
-
-
-def _on(line: Array, pieces: Array) -> NDArray[np.bool_]:
-    distance = np.abs(pieces @ line[:2] + line[2])
-    return np.asarray((distance < _NEAR).all(axis=1))
-
-
-def _sharpen(ends: Array, points: Array) -> Array:
-    """Fit each line to the edge pixels beside it."""
-    sharp = ends.copy()
-    for k, line in enumerate(homogeneous(ends)):
-        along = np.array([-line[1], line[0]])
-        span = ends[k] @ along
-        for _ in range(2):
-            near = np.abs(points @ line[:2] + line[2]) < _NEAR
-            chosen = points[near]
-            place = chosen @ along
-            chosen = chosen[(place >= span.min() - 1) & (place <= span.max() + 1)]
-            if len(chosen) < 8:
-                break
-            line = _through(chosen)
-        foot = ends[k] @ line[:2] + line[2]
-        sharp[k] = ends[k] - foot[:, None] * line[:2]
-    return sharp
-
-
-def _through(points: Array) -> Array:
-    """The line through points by total least squares."""
-    middle = points.mean(axis=0)
-    off = points - middle
-    xx, yy, xy = (float(v) for v in ((off**2).sum(0)[0], (off**2).sum(0)[1], off.prod(1).sum()))
-    angle = 0.5 * math.atan2(2 * xy, xx - yy)
-    normal = np.array([-math.sin(angle), math.cos(angle)])
-    return np.array([normal[0], normal[1], -float(normal @ middle)])
-
-
-def _cover(line: Array, pieces: Array) -> tuple[Array, Array, float]:
-    """First and last point of pieces on their line, and the length that they cover together."""
-    along = np.array([-line[1], line[0]])
-    spans = np.sort(pieces @ along, axis=1)
-    foot = -line[2] * line[:2]
-    length, reach = 0.0, -np.inf
-    for low, high in spans[np.argsort(spans[:, 0])]:
-        length += max(0.0, high - max(low, reach))
-        reach = max(reach, high)
-    return foot + spans.min() * along, foot + spans.max() * along, float(length)

@@ -72,6 +72,8 @@ class LineGrid:
         All merged lines.
     kept : (M,) bool
         Which of them belong to the grid.
+    dropped : tuple of str
+        Why each of them was dropped, empty where it was kept; none where nobody asked.
     """
 
     columns: Family
@@ -80,6 +82,16 @@ class LineGrid:
     rms_px: float
     found: Lines
     kept: Flags
+    dropped: tuple[str, ...] = ()
+
+
+# Why a line is dropped, at each step that it may fail, from the first one on.
+_REASONS = (
+    "its direction fits neither family",
+    "it crosses a better supported line of its family",
+    "its place is off the even spacing of its family",
+    "it lies off the fitted grid",
+)
 
 
 def find_line_grid(found: Lines) -> LineGrid | StageFailure:
@@ -97,17 +109,20 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
         return _too_few(found, "their two families of directions are one")
     lines = homogeneous(ends)
     numbers = np.full((2, len(ends)), np.nan)
+    steps = np.zeros(len(ends), np.intp)
     for axis in (0, 1):
         pointing = aligned(points[axis], ends)
         ordered = pointing & _ordered(lines, ends, pointing, found.support)
+        steps = np.maximum(steps, pointing.astype(np.intp) + ordered)
         which = np.flatnonzero(ordered)
         if len(which) >= _LEAST_LINES:
             place = _places(lines[which], points[axis], horizon)
             numbers[axis, which] = _number(place, found.support[which])
+    steps += np.isfinite(numbers).any(axis=0)
     fit = _fit_lattice(ends, numbers, found.support)
     if fit is None:
         return _too_few(found, "no even spacing fits two families of them")
-    return _grid(fit, to_unit, ends, numbers, found)
+    return _grid(fit, to_unit, numbers, found, steps)
 
 
 def _ordered(lines: Array, ends: Array, family: Flags, support: Array) -> Flags:
@@ -207,8 +222,9 @@ def _coordinates(fit: Array, xy: Array) -> Array:
 
 
 def _grid(
-    fit: Array, to_unit: Array, ends: Array, numbers: Array, found: Lines
+    fit: Array, to_unit: Array, numbers: Array, found: Lines, steps: NDArray[np.intp]
 ) -> LineGrid | StageFailure:
+    """The grid of a fit; of each line `steps` says how many it passed before the fit."""
     kept = np.asarray(np.isfinite(numbers).any(axis=0))
     fit = fit @ to_unit
     upright, numbers = _oriented(fit, found.ends[kept].reshape(-1, 2).mean(axis=0), numbers)
@@ -221,7 +237,10 @@ def _grid(
             distances.append(found.ends[k] @ line[:2] + line[2])
     families = [_family(upright, axis, numbers[axis]) for axis in (0, 1)]
     rms = float(np.sqrt(np.mean(np.square(distances))))
-    return LineGrid(families[0], families[1], upright, rms, found, kept)
+    dropped = tuple(
+        "" if is_kept else _REASONS[step] for is_kept, step in zip(kept, steps, strict=True)
+    )
+    return LineGrid(families[0], families[1], upright, rms, found, kept, dropped)
 
 
 def _oriented(fit: Array, middle: Array, numbers: Array) -> tuple[Array | None, Array]:

@@ -10,6 +10,7 @@ that refuse a pose: see `padstudio.vision.baseline.decode` for what a pose has t
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -77,6 +78,12 @@ class Baseline:
             layer.channel: WindowDecoder(pad, layer) for layer in pad.layers
         }
 
+    def with_params(self, params: DetectorParams) -> Baseline:
+        """The same under other parameters."""
+        other = copy.copy(self)
+        other.params = params
+        return other
+
     def detect(self, bgr: Image, recorder: Recorder) -> Detection:
         """Find the pad in one frame, without any hint."""
         seen = examine(bgr, self.pad, self.camera, self.params.prepare, recorder)
@@ -98,7 +105,7 @@ class Baseline:
 
     def _explain(self, frame: _Frame) -> Recorder:
         """For a trace: the stages that the result did not need."""
-        shown = Recorder(keep=True)
+        shown = Recorder(keep=True, memo=frame.recorder.memo)
         self._read_channels(replace(frame, recorder=shown), next(self._levels(frame)), 1)
         return shown
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.vision.baseline import lines_kernel
 from padstudio.vision.baseline.hough import homogeneous
 
 Flags = NDArray[np.bool_]
@@ -62,7 +63,7 @@ def _vanishing_point(ends: Array, support: Array, allowed: Flags) -> Array | Non
     if not len(points):
         return None
     weight = support[which]
-    scores = np.array([weight[aligned(p, ends[which])].sum() for p in points])
+    scores = lines_kernel.pointed_at(points, ends[which], weight, _ALIGNED)
     point = points[int(np.argmax(scores))]
     for _ in range(3):
         near = aligned(point, ends[which])

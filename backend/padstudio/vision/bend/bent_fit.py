@@ -25,10 +25,25 @@ from padstudio.vision.pose.least_squares_kernel import Sightings, Solution
 from padstudio.vision.pose.pose_posterior import explain_edges
 from padstudio.vision.pose.row_motion import MotionBounds
 
-# Lengths of bends that are tried, as a share of the pad's longer side.
-_LENGTHS = (0.08, 0.13, 0.2, 0.32, 0.5)
-# Bends shorter than this share of what is in view would need too many cosines.
-_SHORTEST = 1 / 11
+
+class Lengths(NamedTuple):
+    """Lengths of bends that are tried.
+
+    Attributes
+    ----------
+    shares : tuple of float
+        Of the pad's longer side, the shortest first.
+    least : float
+        Share of what is in view; shorter bends would need too many cosines.
+    """
+
+    shares: tuple[float, ...]
+    least: float
+
+
+#: Those that paper usually has, and those that are tried where these leave over what is smooth.
+USUAL = Lengths((0.08, 0.13, 0.2, 0.32, 0.5), 1 / 11)
+SHORT = Lengths((0.02, 0.03, 0.05), 1 / 24)
 # What bends are taken for to begin with, mm.
 _FIRST_AMPLITUDE_MM = 3.0
 # No picture is measured better than this.
@@ -128,18 +143,19 @@ def fit_bent(edge_points: EdgePoints, camera: Camera, start: BentFit, iterations
 
 
 def first_bent(
-    edge_points: EdgePoints, camera: Camera, pose: Pose, pad_mm: float
-) -> tuple[BentFit, float]:
+    edge_points: EdgePoints, camera: Camera, pose: Pose, pad_mm: float, tried: Lengths
+) -> tuple[BentFit, float] | None:
     """The best fit of all lengths of bends, and the log odds of its sheet against a flat one.
 
     The shortest bends are fitted first, as they can take any form; all lengths are then compared
-    by their evidence about that sheet.
+    by their evidence about that sheet. None where all are too short a share of what is in view.
     """
     points = edge_points.borders.points_mm[:, :2]
     box = np.stack([points.min(axis=0), points.max(axis=0)])
-    least = _SHORTEST * float((box[1] - box[0]).max())
-    lengths = [share * pad_mm for share in _LENGTHS if share * pad_mm >= least]
-    lengths = lengths or [_LENGTHS[-1] * pad_mm]
+    least = tried.least * float((box[1] - box[0]).max())
+    lengths = [share * pad_mm for share in tried.shares if share * pad_mm >= least]
+    if not lengths:
+        return None
     sheet = Sheet.flat(Cosines.over(box, lengths[0]), box)
     fit = fit_bent(edge_points, camera, BentFit(MovingPose(pose), sheet, _FIRST_AMPLITUDE_MM), 3)
     equations = Equations.of(edge_points, camera, fit)

@@ -5,11 +5,6 @@ mean product of neighbours' residuals, each counted positive where it lies as if
 whether heights are worth a fit (as of von Neumann's ratio); the odds of the fit then decide. What
 is smooth along the sheet may also be a shaking camera or a print of many sheets: a sheet counts as
 bent only where its heights take away what neighbours have in common.
-
-References
-----------
-Neumann, J. von (1941). Distribution of the ratio of the mean square successive difference to the
-variance. doi:10.1214/aoms/1177731677.
 """
 
 from __future__ import annotations
@@ -22,15 +17,20 @@ from padstudio.arrays import Array
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer
 from padstudio.vision.bend.bent_fit import (
+    SHORT,
+    USUAL,
     BentFit,
     Equations,
+    Lengths,
     amplitude_of,
     bent_covariance,
     first_bent,
     fit_bent,
     linearized,
 )
-from padstudio.vision.pose import edge_points_kernel, least_squares_kernel
+from padstudio.vision.bend.loose_parts import fit_parts
+from padstudio.vision.bend.neighbours import Common, common_px, parts_show
+from padstudio.vision.pose import edge_points_kernel
 from padstudio.vision.pose.edge_points import EdgePoints, find_edge_points
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.least_squares import Fit, bounds_of
@@ -41,11 +41,11 @@ from padstudio.vision.pose.results import RefinedPose
 # Neighbours that agree by so many standard deviations make heights worth a fit; flat sheets do so
 # in one frame of eight, and are then told by the odds.
 _WORTH = 2.5
+# Of what neighbours have in common short bends leave less than this share: those of paper left
+# 0.12, those fitted to sheets 0.24 and more.
+_CLEARLY = 0.16
 # What lens and compression leave over smoothly is no bend, pixels.
 _LEAST_COMMON_PX = 0.015
-# Of what neighbours have in common heights may leave this share, or as little as a flat sheet has.
-# Sheets of a tiled print leave half and more.
-_MOST_LEFT, _LITTLE_PX, _CHANCE = 0.4, 0.035, 2.5
 # So many borders tell a bend; fewer than the least leave no room for heights.
 _TELLING, _LEAST = 1200, 150
 # Natural logarithm of the odds that heights need. Sixty flat sheets had no more than 1.6.
@@ -75,31 +75,57 @@ class _Telling:
     edge_points: EdgePoints
 
 
-def flattened(refiner: Refiner, refined: RefinedPose) -> RefinedPose:
-    """The pose relative to the plane that fits a bent sheet best; unchanged where it is flat.
+def as_it_lies(refiner: Refiner, refined: RefinedPose) -> RefinedPose:
+    """The pose of a print that is bent or whose parts lie off their places; a flat one's is kept.
 
     Parameters
     ----------
     refiner : Refiner
     refined : RefinedPose
         Of a still, borne out by its cells.
+
+    Returns
+    -------
+    RefinedPose
+        Relative to the plane that fits the print best in view.
     """
     telling, pose = _telling(refiner, refined), refined.fit.pose
     if telling is None or len(telling.edge_points.xy) < _LEAST:
         return refined
     rows, seen = linearized(telling.edge_points, refiner.camera, pose, None)
-    before = common_px(rows[:, 0].copy(), -rows[:, 3], seen.weight)
-    if not (before.deviations > _WORTH and before.px > _LEAST_COMMON_PX):
-        return refined
+    lifted = common_px(rows[:, 0].copy(), -rows[:, 3], seen.weight)
+    may_be_bent = lifted.deviations > _WORTH and lifted.px > _LEAST_COMMON_PX
+    bent = _flattened(refiner, refined, telling, lifted) if may_be_bent else None
+    if bent is not None or not parts_show(rows, seen, telling.edge_points.borders):
+        return bent or refined
+    bent = _flattened(refiner, refined, telling, lifted, short=True) if may_be_bent else None
+    if bent is not None:
+        return bent
+    fit = fit_parts(refiner, pose)
+    return refined if fit is None else replace(refined, fit=fit)
+
+
+def _flattened(
+    refiner: Refiner,
+    refined: RefinedPose,
+    telling: _Telling,
+    before: Common,
+    *,
+    short: bool = False,
+) -> RefinedPose | None:
+    """The pose of a bent sheet; None where heights leave what neighbours have in common."""
     # Rows that were seen from different places pass for heights; the better explanation counts.
-    found = _bent(refiner, telling, pose, max(_LEAST_ODDS, refined.fit.shaking))
+    least_odds = max(_LEAST_ODDS, refined.fit.shaking)
+    found = _bent(refiner, telling, refined.fit.pose, least_odds, SHORT if short else USUAL)
     if found is None:
-        return refined
+        return None
     fit, edge_points = found
     equations = Equations.of(edge_points, refiner.camera, fit)
     after = common_px(equations.residual, equations.moves[:, 2], edge_points.weight)
-    if not (after.is_nothing or after.is_less(before)):
-        return refined
+    # Short bends can take any form, also that of sheets side by side, but for a little more.
+    fits = after.px < _CLEARLY * before.px if short else after.is_nothing or after.is_less(before)
+    if not fits:
+        return None
     points = telling.borders.points_mm
     answer = _answer(refiner, edge_points, fit, points)
     return replace(refined, fit=answer, flatness_mm=fit.sheet.flatness_mm(points))
@@ -121,13 +147,18 @@ def _telling(refiner: Refiner, refined: RefinedPose) -> _Telling | None:
 
 
 def _bent(
-    refiner: Refiner, telling: _Telling, pose: MovingPose, least_odds: float
+    refiner: Refiner,
+    telling: _Telling,
+    pose: MovingPose,
+    least_odds: float,
+    lengths: Lengths,
 ) -> tuple[BentFit, EdgePoints] | None:
     """Pose and sheet, and the borders found where they put them; None where a flat sheet does."""
     camera, few = refiner.camera, telling.edge_points.thinned(_TELLING)
-    fit, log_odds = first_bent(few, camera, pose.pose, max(refiner.pad.size_mm))
-    if log_odds < least_odds:
+    first = first_bent(few, camera, pose.pose, max(refiner.pad.size_mm), lengths)
+    if first is None or first[1] < least_odds:
         return None
+    fit = first[0]
     for _ in range(_ROUNDS):
         edge_points = _measured(refiner, telling, fit)
         if len(edge_points.xy) < _LEAST:
@@ -135,53 +166,6 @@ def _bent(
         fit = fit_bent(edge_points, camera, fit, 2)
         fit = replace(fit, amplitude_mm=amplitude_of(edge_points, camera, fit))
     return fit, edge_points
-
-
-@dataclass(frozen=True)
-class Common:
-    """What residuals of neighbours have in common.
-
-    Attributes
-    ----------
-    px : float
-        Root of their mean product; negative where they rather differ.
-    deviations : float
-        The same in standard deviations of what independent residuals would give.
-    """
-
-    px: float
-    deviations: float
-
-    @property
-    def is_nothing(self) -> bool:
-        """True where a flat sheet has as much."""
-        return self.px <= _LITTLE_PX or self.deviations <= _CHANCE
-
-    def is_less(self, before: Common) -> bool:
-        """True where little of what there was before is left, in size and in clearness."""
-        little = self.px <= _MOST_LEFT * before.px
-        return little and self.deviations <= _MOST_LEFT * before.deviations
-
-
-def common_px(residual: Array, rise: Array, weight: Array) -> Common:
-    """What neighbours in a list of borders have in common, as heights.
-
-    Parameters
-    ----------
-    residual : (N,) float64
-        Pixels, of borders in the order of `padstudio.vision.pose.edge_points_kernel`: along rows.
-    rise : (N,) float64
-        Pixels a mm of height.
-    weight : (N,) float64
-    """
-    sigma = least_squares_kernel.scatter(residual, weight)
-    trust = least_squares_kernel.trust_of(residual, weight, sigma) * sigma**2
-    higher = residual * np.sign(rise)
-    pair, product = trust[1:] * trust[:-1], higher[1:] * higher[:-1]
-    total = float((pair * product).sum())
-    mean = total / max(float(pair.sum()), 1e-12)
-    chance = float(np.sqrt(((pair * product) ** 2).sum()))
-    return Common(float(np.copysign(np.sqrt(abs(mean)), mean)), total / max(chance, 1e-12))
 
 
 def _measured(refiner: Refiner, telling: _Telling, fit: BentFit) -> EdgePoints:

@@ -57,6 +57,8 @@ def locate(
 def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Values (R, C) of a window between its pixels at frame pixels (R, C, 2), 0 where not seen."""
     h, w = len(window.values), window.width
+    # Not the colours' own shape: their rows may hold more than the picture.
+    rows, cols = math.ceil(window.scale * h), math.ceil(window.scale * w)
     out = np.zeros(seen.shape, np.float32)
     for r in range(seen.shape[0]):
         for c in range(seen.shape[1]):
@@ -66,7 +68,6 @@ def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.flo
                 value = between(window.values, window.step, window.first, x, y)
                 value = window.gain * value + window.black
                 if window.weight:
-                    rows, cols = window.colours.shape
                     x = min(max(window.scale * x + window.shift, 0.0), cols - 1.001)
                     y = min(max(window.scale * y + window.shift, 0.0), rows - 1.001)
                     value += window.weight * between(window.colours, 1, 0, x, y)
@@ -78,12 +79,27 @@ def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.flo
 def relative(
     values: NDArray[np.float32], seen: NDArray[np.bool_], block: int
 ) -> NDArray[np.float32]:
-    """Values against mean and deviation of those seen in the block round each, 0 where not seen.
+    """Values against mean and deviation of those seen in the block round each, 0 where not seen."""
+    out = np.zeros(values.shape, np.float32)
+    mean, deviation = moments(values, seen, block)
+    for r in range(values.shape[0]):
+        for c in range(values.shape[1]):
+            if seen[r, c]:
+                out[r, c] = (values[r, c] - mean[r, c]) / deviation[r, c]
+    return out
+
+
+@fast_jit
+def moments(
+    values: NDArray[np.float32], seen: NDArray[np.bool_], block: int
+) -> tuple[Array, Array]:
+    """Mean and deviation (R, C) of the values seen in the block round each cell.
 
     The sums of a block are those of the block before it, a row or column added and one taken off.
     """
     (rows, cols), half = values.shape, block // 2
-    out, sums, box = np.zeros(values.shape, np.float32), np.zeros((3, cols)), np.zeros((3, cols))
+    mean, deviation = np.zeros(values.shape), np.ones(values.shape)
+    sums = np.zeros((3, cols))
     for r in range(-half, rows):
         for sign, row in ((1.0, r + half), (-1.0, r - half - 1)):
             if 0 <= row < rows:
@@ -104,31 +120,11 @@ def relative(
                 count, total = count - sums[0, c - half - 1], total - sums[1, c - half - 1]
                 square -= sums[2, c - half - 1]
             if c >= 0:
-                box[0, c], box[1, c], box[2, c] = count, total, square
-        for c in range(cols):
-            count = max(box[0, c], 1.0)
-            mean = box[1, c] / count
-            deviation = math.sqrt(max(box[2, c] / count - mean * mean, _LEAST_VARIANCE))
-            out[r, c] = (values[r, c] - mean) / deviation if seen[r, c] else 0.0
-    return out
-
-
-@fast_jit
-def to_levels(
-    relative: NDArray[np.float32], seen: NDArray[np.bool_], count: int
-) -> NDArray[np.int8]:
-    """Levels 0 … count − 1 of block-relative values for levels that occur equally often, or −1.
-
-    Evenly spaced, equally frequent levels 0 … Y−1 have mean (Y−1)/2 and variance (Y²−1)/12.
-    """
-    out = np.empty(relative.shape, np.int8)
-    spread, middle = math.sqrt((count * count - 1) / 12), (count - 1) / 2
-    for r in range(relative.shape[0]):
-        for c in range(relative.shape[1]):
-            level = np.rint(relative[r, c] * spread + middle)
-            level = min(max(level, 0.0), count - 1.0)
-            out[r, c] = np.int8(level) if seen[r, c] else -1
-    return out
+                cells = max(count, 1.0)
+                mean[r, c] = total / cells
+                variance = square / cells - mean[r, c] * mean[r, c]
+                deviation[r, c] = math.sqrt(max(variance, _LEAST_VARIANCE))
+    return mean, deviation
 
 
 @fast_jit

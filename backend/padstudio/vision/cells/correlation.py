@@ -14,6 +14,7 @@ Lewis, J. P. (1995). Fast normalized cross-correlation. Vision Interface.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -74,8 +75,8 @@ class LayerIndex:
     def __init__(self, pad: Pad, layer: Layer) -> None:
         self.pad = pad
         self.layer = layer
-        self._relative = np.clip(relative_field(layer.field), -_CLIP, _CLIP)
-        self._spectra: dict[int, tuple[list[Spectrum], list[Spectrum]]] = {}
+        # Wide enough for any patch, so that the field need be transformed only once.
+        self._side = cv2.getOptimalDFTSize(max(layer.field.shape) + _PATCH)
 
     def locate(self, cells: CellGrid, attempts: int = 1) -> Placement | None:
         """The likeliest place of read cells.
@@ -92,14 +93,12 @@ class LayerIndex:
         Placement or None
             The best place, whether or not the evidence suffices; None without any overlap.
         """
-        rows, cols = self.layer.field.shape
+        side = self._side
         top, left, patch = _middle(np.clip(cells.relative, -_CLIP, _CLIP), cells.seen)
-        size = max(rows, cols) + max(patch.shape)
-        side = cv2.getOptimalDFTSize(size)
         signal = np.fft.rfft2(patch, (side, side)).conj()
         energy = np.fft.rfft2(patch * patch, (side, side)).conj()
         best: tuple[float, int, int, int] | None = None
-        fields, supports = self._spectrum(side)
+        fields, supports = self._spectra
         # A field turned by a half overlaps as it does unturned.
         norms = []
         for support in supports:
@@ -119,22 +118,18 @@ class LayerIndex:
         col = col - side if col >= shape[1] else col
         return self._placement(cells, quarters, row - top, col - left, attempts)
 
-    def _spectrum(self, side: int) -> tuple[list[Spectrum], list[Spectrum]]:
+    @cached_property
+    def _spectra(self) -> tuple[list[Spectrum], list[Spectrum]]:
         """Transforms of the field turned clockwise by 0 … 3 quarters, and of its support: upright
         and turned by one, or one for all turns of a square field."""
-        if side not in self._spectra:
-            ones = np.ones_like(self._relative)
-            shapes = 1 if ones.shape[0] == ones.shape[1] else 2
-            self._spectra = {
-                side: (
-                    [
-                        np.fft.rfft2(np.rot90(self._relative, -quarters), (side, side))
-                        for quarters in range(4)
-                    ],
-                    [np.fft.rfft2(np.rot90(ones, -k), (side, side)) for k in range(shapes)],
-                )
-            }
-        return self._spectra[side]
+        field = np.clip(relative_field(self.layer.field), -_CLIP, _CLIP)
+        shape = (self._side, self._side)
+        ones = np.ones_like(field)
+        supports = 1 if field.shape[0] == field.shape[1] else 2
+        return (
+            [np.fft.rfft2(np.rot90(field, -quarters), shape) for quarters in range(4)],
+            [np.fft.rfft2(np.rot90(ones, -quarters), shape) for quarters in range(supports)],
+        )
 
     def _placement(
         self, cells: CellGrid, quarters: int, row: int, col: int, attempts: int

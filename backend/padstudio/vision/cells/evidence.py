@@ -57,11 +57,13 @@ class Evidence:
         return self.kappa >= least_kappa and self.log10_false_alarm <= log10_false_alarm
 
     def compared_with(self, log10_false_alarm: float) -> str:
-        """The bound that was reached and the one that is needed, for a sentence."""
-        return (
-            f"chance of such a match 10^{self.log10_false_alarm:.1f}, "
-            f"10^{log10_false_alarm:.0f} is needed"
-        )
+        """What was reached and what is needed, for a sentence."""
+        needed = f"10^{log10_false_alarm:.0f} is needed"
+        if self.log10_false_alarm > -0.5:
+            return f"any picture may match so well; a chance of {needed}"
+        if self.log10_false_alarm > log10_false_alarm:
+            return f"chance of such a match 10^{self.log10_false_alarm:.1f}, {needed}"
+        return f"they agree by {self.kappa:.2f} beyond chance, {LEAST_KAPPA:g} is needed"
 
 
 def judge(

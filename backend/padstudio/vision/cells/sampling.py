@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.pad.spec import Channel
-from padstudio.vision.cells import cells_kernel
+from padstudio.vision.cells import cells_kernel, levels_kernel
 from padstudio.vision.frame.pyramid import Pyramid
 
 #: Lattice coordinates (N, 2) to frame pixels (N, 2); NaN behind the camera.
@@ -25,10 +26,13 @@ _LEAST_SIDE = 4
 # From so many cells on only each of so many is projected, along rows and columns: projecting all
 # would cost more than reading them.
 _MANY, _EVERY = 2000, 4
-# Brightness is compared with that of a block of this many cells a side: about twice a window's, so
+#: Brightness is compared with that of a block of this many cells a side: about twice a window's, so
 # that each level occurs, and few enough that light is even. 5 and 17 find the same stills of the
 # score.
-_BLOCK = 9
+BLOCK = 9
+# Squares of so many cells a side that span less than this part of what is usual, the upper tenth
+# of so many of them, show no code: 25 cells of one level are rarer than glare and things on a pad.
+_ALIKE_SIDE, _FLAT, _USUAL, _TELLING = 5, 0.1, 0.9, 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +67,16 @@ class CellGrid:
 
     def levels(self, count: int) -> NDArray[np.int8]:
         """Levels 0 … count−1 as the picture alone tells them, −1 where not seen; (R, C)."""
-        return cells_kernel.to_levels(np.ascontiguousarray(self.relative), self.seen, count)
+        relative = np.ascontiguousarray(self.relative)
+        cuts = levels_kernel.cuts(relative, self.seen, count, BLOCK)
+        return levels_kernel.to_levels(relative, self.seen, cuts)
+
+    def thresholds(self, count: int) -> NDArray[np.float32]:
+        """Grey values (R, C, count−1) at which `levels` goes from one level to the next."""
+        relative = np.ascontiguousarray(self.relative)
+        cuts = levels_kernel.cuts(relative, self.seen, count, BLOCK)
+        mean, deviation = cells_kernel.moments(self.values, self.seen, BLOCK)
+        return np.asarray(mean[..., None] + deviation[..., None] * cuts, np.float32)
 
 
 def read_cells(
@@ -103,11 +116,27 @@ def read_cells(
     widest = min(width, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
     level = math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
     values = cells_kernel.sample(pyramid.window(channel, level), xy, seen)
-    relative = cells_kernel.relative(values, seen, _BLOCK)
+    seen = with_contrast(values, seen)
+    if not seen.any():
+        return None
+    relative = cells_kernel.relative(values, seen, BLOCK)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
+
+
+def with_contrast(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of the cells (R, C) seen differ from those about them, as coded cells do.
+
+    Where glare burns the picture out or something lies on the pad, all look alike.
+    """
+    square = np.ones((_ALIKE_SIDE, _ALIKE_SIDE), np.uint8)
+    most = cv2.dilate(np.where(seen, values, np.float32(0)), square)
+    span = most + cv2.dilate(np.where(seen, np.float32(255) - values, np.float32(0)), square)
+    usual = np.sort(span[seen][:: max(1, int(seen.sum()) // _TELLING)])
+    least = _FLAT * (usual[int(_USUAL * len(usual))] - 255)
+    return np.asarray(seen & (span - 255 > least))
 
 
 def relative_field(field: NDArray[np.uint8]) -> NDArray[np.float32]:
     """A pad's field (R, C) seen as `CellGrid.relative` would show it."""
     values = field.astype(np.float32) * 64
-    return cells_kernel.relative(values, np.ones(field.shape, bool), _BLOCK)
+    return cells_kernel.relative(values, np.ones(field.shape, bool), BLOCK)

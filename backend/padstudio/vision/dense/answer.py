@@ -43,11 +43,12 @@ def of_whole_sign(found: WholeSign, focal_px: float) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit, focal_px),
+        uncertainty=uncertainty_of(fit, focal_px),
     )
 
 
-def _uncertainty(fit: Fit, focal_px: float) -> Uncertainty:
+def uncertainty_of(fit: Fit, focal_px: float) -> Uncertainty:
+    """How sure a fitted pose is, seen by a camera of some focal length."""
     covariance = with_picture_shift(fit.covariance, focal_px)
     pose = fit.pose.pose
     return Uncertainty.of(pose, with_curvature(covariance, pose))
@@ -63,10 +64,11 @@ def of_refined(refined: RefinedPose, choice: Choice) -> Detection:
         cells_wrong=evidence.wrong,
         log10_false_alarm=evidence.log10_false_alarm,
         reprojection_px=fit.rms_px,
-        uncertainty=_uncertainty(fit, refined.camera.focal_px),
+        uncertainty=uncertainty_of(fit, refined.camera.focal_px),
         ambiguity=_ambiguity(refined),
         shift_mm=fit.pose.shift_mm,
         turn_rad=fit.pose.rotvec,
+        shaking=fit.shaking,
         flatness_mm=refined.flatness_mm,
     )
 

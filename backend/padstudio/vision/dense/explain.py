@@ -49,14 +49,16 @@ def explain(
     """
     if not frame.recorder.keep:
         return
-    recorder = Recorder(keep=True)
+    recorder = Recorder(keep=True, memo=frame.recorder.memo)
     local = Search(frame.pyramid, frame.camera, frame.stretch, (pad,), frame.params, recorder)
     widths = {read.layer.channel: read.cells.cell_px for read in reads}
     agreed = {read.layer.channel for read in reads if read.evidence.suffices(0.0)}
     expected = _too_far(pad, reads, agreed)
-    for channel in local.channels:
+    only = None if recorder.memo is None else recorder.memo.channel
+    for channel in [only] if only in local.channels else local.channels:
         shown = _level(frame.pyramid, widths.get(channel), level)
-        plane = take_channel(frame.pyramid, frame.stretch, channel, shown, region.box)
+        seen = frame.pyramid, frame.stretch, channel, shown, region.box
+        plane = recorder.make("channel", take_channel, *seen)
         binary = recorder.run("block_mean", channel, block_mean, plane, _BLOCKS)
         recorder.run("clean", channel, clean, binary, 2)
         _run(local, region, shown, channel, known=channel in agreed | expected.keys())

@@ -22,6 +22,7 @@ where they find nothing; `Detector.track` takes 1, 7 and 8.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -31,11 +32,12 @@ import numpy as np
 from padstudio.arrays import Image, YuvFrame
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
-from padstudio.vision.bend.bent_sheet import flattened
+from padstudio.vision.bend.bent_sheet import as_it_lies
 from padstudio.vision.cells.evidence import Evidence
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.dense.answer import choose, of_refined, of_whole_sign, unfit
 from padstudio.vision.dense.explain import explain
+from padstudio.vision.dense.misplaced import at_its_place
 from padstudio.vision.dense.misreadings import find_misreading
 from padstudio.vision.dense.scales import borne_out, contradiction
 from padstudio.vision.dense.starts import first_poses, refine_best
@@ -52,7 +54,9 @@ from padstudio.vision.frame.regions import Region
 from padstudio.vision.outline.quadrilateral import Outline
 from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.results import RefinedPose
-from padstudio.vision.search.known_pads import FoundPad, KnownPad, check_apart, together
+from padstudio.vision.reasons.clues import Clues
+from padstudio.vision.reasons.failed import in_full
+from padstudio.vision.search.known_pads import FoundPad, KnownPad, together
 from padstudio.vision.search.looks import Search
 from padstudio.vision.search.search import Miss, Sighting, sightings
 from padstudio.vision.stage.detection import Detection
@@ -71,26 +75,36 @@ class Dense:
     Parameters
     ----------
     pads : sequence of Pad
-        In any order; results do not depend on it.
+        As of `check_apart`; in any order, on which results do not depend.
     camera : Camera
     params : DetectorParams
 
-    Raises
-    ------
-    SpecError
-        As of `check_apart`.
     """
 
     def __init__(self, pads: Sequence[Pad], camera: Camera, params: DetectorParams) -> None:
         self.known = sorted((KnownPad.of(pad) for pad in pads), key=lambda known: known.id)
-        check_apart(self.known)
         self.camera = camera
         self.params = params
 
-    def detect(self, bgr: Image, recorder: Recorder) -> list[Detection]:
+    def with_params(self, params: DetectorParams) -> Dense:
+        """The same under other parameters."""
+        other = copy.copy(self)
+        other.params = params
+        return other
+
+    def detect(
+        self, bgr: Image, recorder: Recorder, *, one_suffices: bool = False
+    ) -> list[Detection]:
         """Find the pads in one still, without any hint.
 
         Pads of the same channels and the same mixture of colours are looked for in one search.
+
+        Parameters
+        ----------
+        bgr : (H, W, 3) uint8
+        recorder : Recorder
+        one_suffices : bool
+            The search ends with the first pad whose pose can be used as a whole.
 
         Returns
         -------
@@ -101,25 +115,27 @@ class Dense:
         found: list[FoundPad] = []
         failures: list[StageFailure] = []
         for known in together(self.known, unmix=self.params.prepare.unmix):
-            failure = self._in_planes(known, bgr, recorder, found)
-            failures += [] if failure is None else [failure]
+            search, frame = self._search_of(known, bgr, recorder, one_suffices)
+            failure = self._search(search, frame)
+            found += search.found
+            if search.suffices:
+                break
+            failures += [] if search.found or failure is None else [failure]
         if found:
             return sorted((item.detection for item in found), key=_best_first)
         return [Detection(None, max(failures, key=lambda failure: failure.progress))]
 
-    def _in_planes(
-        self, known: Sequence[KnownPad], bgr: Image, recorder: Recorder, found: list[FoundPad]
-    ) -> StageFailure | None:
-        """Find pads that are read in the same planes; or why there is none."""
+    def _search_of(
+        self, known: Sequence[KnownPad], bgr: Image, recorder: Recorder, one_suffices: bool
+    ) -> tuple[Search, FrameEvidence]:
+        """A search for pads that are read in the same planes, and what it looks at."""
         frame = examine(bgr, known[0].pad, self.camera, self.params.prepare, recorder, len(known))
         others = [pad for pad in self.known if pad not in known]
         search = Search(
             frame.pyramid, frame.camera, frame.stretch, tuple(known), self.params, recorder,
-            elsewhere=sum(len(pad.indices) for pad in others),
+            elsewhere=sum(len(pad.indices) for pad in others), one_suffices=one_suffices,
         )  # fmt: skip
-        failure = self._search(search, frame)
-        found += search.found
-        return None if search.found else failure
+        return search, frame
 
     def _search(self, search: Search, frame: FrameEvidence) -> StageFailure | None:
         """Find pads until all are found or nothing is left to look at; the last failure."""
@@ -136,16 +152,21 @@ class Dense:
             return swap
         level = last.level if isinstance(last, Miss) else None
         explain(search, search.known[0], last.region, [], level)
-        return find_misreading(search) or diagnose(frame, failure)
+        misread = find_misreading(search)
+        if not search.recorder.in_full:
+            return misread or diagnose(frame, failure)
+        explained = in_full(Clues(frame, search), misread or failure)
+        return diagnose(frame, failure) if explained is failure else explained
 
     def follow(
         self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder
     ) -> Detection:
-        """Find the first pad near an expected pose; fails where the picture denies it.
+        """Find a pad near its expected pose; fails where the picture denies it.
 
         A near miss must not pass for a lock, so every layer that can be read has to agree.
         """
-        camera, known = self.camera.for_frame(frame.shape[1], frame.shape[0]), self.known[0]
+        camera = self.camera.for_frame(frame.shape[1], frame.shape[0])
+        known = next(pad for pad in self.known if expected.pad_id in (None, pad.id))
         pyramid = prepare(frame, known.pad, self.params.prepare, recorder)
         refiner = Refiner(pyramid, camera, known.pad, self.params, 0, expected.motion)
         miss_px = expected.miss * camera.focal_px
@@ -208,6 +229,8 @@ class Dense:
     def _from_afar(self, search: Search, regions: list[Region]) -> StageFailure | None:
         """Find pads too far away for lattices; a failure where channels are exchanged."""
         for region, refiners in self._left(search, regions):
+            if search.shows_foreign(region):
+                continue
             for known, refiner in refiners:
                 found = search.recorder.run("outline", None, find_whole_sign, refiner, region)
                 if not isinstance(found, WholeSign):
@@ -269,11 +292,13 @@ class Dense:
             return Detection(None, choice), reads
         if refiner.attempts:
             settled = recorder.run("pose", None, borne_out, refiner, refined)
+            if settled is refined:
+                settled = recorder.run("pose", None, at_its_place, refiner, refined)
             if isinstance(settled, StageFailure):
                 return Detection(None, settled), reads
             if settled is not refined:
                 return self._judge(refiner, settled, recorder)
-            refined = recorder.run("pose", None, flattened, refiner, refined)
+            refined = recorder.run("pose", None, as_it_lies, refiner, refined)
         return of_refined(refined, choice), reads
 
     def _is_sure(self, refiner: Refiner, evidence: Evidence) -> bool:

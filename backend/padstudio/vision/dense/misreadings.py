@@ -30,7 +30,7 @@ def find_misreading(search: Search) -> StageFailure | None:
     best = sorted(search.lattices, key=lambda lattice: -lattice.inlier_share)[:_MOST_LATTICES]
     for lattice in best:
         for channel in search.channels:
-            cells = read_lattice(search, lattice, channel)
+            cells = read_lattice(search.pyramid, search.camera, lattice, channel)
             failure = None if cells is None else _misread(search, channel, cells)
             if failure is not None:
                 return failure

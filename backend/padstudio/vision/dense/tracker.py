@@ -9,7 +9,9 @@ the pose changes within a frame, above all in height, which no single frame can 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -26,8 +28,13 @@ _MEMORY = 0.98
 # 0.0811; double: the same, and 0.0926.
 _KNOWN = 0.08
 _LEAST_FRAMES = 4
+# Natural logarithm of a shaking's odds from which a frame's motion is that of its shaking, which
+# tells nothing of the motion between frames.
+_SHAKEN = 5.0
 # A known change of height may be off by this share of the height.
 _LEAST_CLIMB = 0.0001
+# What is told of a pose is refused beyond these: mm, and off a rotation's orthogonality.
+_FARTHEST, _MOST_SKEW = 1e8, 1e-6
 
 
 @dataclass(frozen=True)
@@ -42,11 +49,63 @@ class Expectation:
     miss : float
         By how much the last frame's expectation was off, as a share of the height or in radians,
         whichever is more.
+    pad_id : str or None
+        The pad that the pose is relative to.
     """
 
     pose: MovingPose
     motion: KnownMotion | None = None
     miss: float = math.inf
+    pad_id: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-serialisable, and exact."""
+        motion, moving = self.motion, self.pose
+        return {
+            "position_mm": moving.pose.position_mm.tolist(),
+            "rotation": moving.pose.rotation.tolist(),
+            "shift_mm": moving.shift_mm.tolist(),
+            "rotvec": moving.rotvec.tolist(),
+            "motion": None
+            if motion is None
+            else {
+                "shift_mm": motion.shift_mm.tolist(),
+                "rotvec": motion.rotvec.tolist(),
+                "climb_sigma_mm": motion.climb_sigma_mm,
+            },
+            "miss": self.miss if math.isfinite(self.miss) else None,
+            "pad_id": self.pad_id,
+        }
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Expectation:
+        """From what `to_dict` gives.
+
+        Raises
+        ------
+        ValueError, KeyError, TypeError
+            If it is of another shape.
+        """
+        motion, miss, pad_id = values["motion"], values["miss"], values["pad_id"]
+        rotation = _figures(values["rotation"], 3, 3)
+        if np.abs(rotation @ rotation.T - np.eye(3)).max() > _MOST_SKEW:
+            raise ValueError("a rotation that is none")
+        pose = Pose(_figures(values["position_mm"], 3), rotation)
+        moving = MovingPose(pose, *(_figures(values[name], 3) for name in ("shift_mm", "rotvec")))
+        known = None
+        if motion is not None:
+            shift, turn = (_figures(motion[name], 3) for name in ("shift_mm", "rotvec"))
+            known = KnownMotion(shift, turn, float(motion["climb_sigma_mm"]))
+        if pad_id is not None and not isinstance(pad_id, str):
+            raise ValueError("a pad's identity that is no text")
+        return cls(moving, known, math.inf if miss is None else float(miss), pad_id)
+
+
+def _figures(value: Any, *shape: int) -> Array:
+    found = np.array(value, float)
+    if found.shape != shape or not np.abs(found).max() < _FARTHEST:
+        raise ValueError(f"{len(shape)}-dimensional figures that are none")
+    return found
 
 
 class Tracker:
@@ -54,10 +113,12 @@ class Tracker:
 
     def __init__(self) -> None:
         self._past: list[Pose] = []
+        self._pad_id: str | None = None
         self._expected: Expectation | None = None
         self._miss = math.inf
         self._weight = self._product = self._misfit = 0.0
         self._frames = 0
+        self._shaken = False
 
     def expect(self) -> Expectation | None:
         """The next frame's pose, or None after a frame without one."""
@@ -69,15 +130,16 @@ class Tracker:
             return None
         last = self._past[-1]
         if len(self._past) < 2:
-            return Expectation(MovingPose(last))
+            return Expectation(MovingPose(last), pad_id=self._pad_id)
         step = self._past[-2].step_to(last)
         shift, rotvec = step[:3], step[3:]
         pose = Pose(last.position_mm + shift, last.rotation @ rotation_from_vector(rotvec))
         share = self._share()
         if share is None:
-            return Expectation(MovingPose(pose), miss=self._miss)
+            return Expectation(MovingPose(pose), None, self._miss, self._pad_id)
         motion = KnownMotion(share * shift, share * rotvec, self._climb_sigma(share, shift))
-        return Expectation(MovingPose(pose, motion.shift_mm, motion.rotvec), motion, self._miss)
+        moving = MovingPose(pose, motion.shift_mm, motion.rotvec)
+        return Expectation(moving, motion, self._miss, self._pad_id)
 
     def _climb_sigma(self, share: float, shift: Array) -> float:
         """How far the change of height in a frame may be off, mm.
@@ -97,10 +159,15 @@ class Tracker:
         if detection.pose is None:
             self._past = []
             return
+        if detection.pad_id != self._pad_id:
+            # Its pose is in another frame.
+            self._past, self._expected, self._pad_id = [], None, detection.pad_id
         if self._expected is not None:
             self._miss = self._expected.pose.apart_px(MovingPose(detection.pose), focal_px=1.0)
-        if self._past and detection.shift_mm is not None and detection.turn_rad is not None:
-            self._compare(detection.pose, detection.shift_mm, detection.turn_rad)
+        self._shaken = detection.shaking > _SHAKEN
+        shift, turn = detection.shift_mm, detection.turn_rad
+        if self._past and not self._shaken and shift is not None and turn is not None:
+            self._compare(detection.pose, shift, turn)
         self._past = [*self._past[-2:], detection.pose]
 
     def _compare(self, pose: Pose, shift_mm: Array, turn_rad: Array) -> None:
@@ -114,7 +181,7 @@ class Tracker:
         self._frames += 1
 
     def _share(self) -> float | None:
-        if self._frames < _LEAST_FRAMES or self._weight <= 0:
+        if self._shaken or self._frames < _LEAST_FRAMES or self._weight <= 0:
             return None
         share = self._product / self._weight
         left = max(self._misfit - share * self._product, 0.0)

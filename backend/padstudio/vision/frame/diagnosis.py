@@ -22,6 +22,7 @@ from padstudio.pad.spec import Pad
 from padstudio.vision.frame.prepare import Stretch, find_stretch, prepare
 from padstudio.vision.frame.pyramid import Box, Pyramid
 from padstudio.vision.frame.regions import Region, faint_regions, find_regions
+from padstudio.vision.frame.veil import is_veiled, unveiled
 from padstudio.vision.stage.params import PrepareParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
 
@@ -57,6 +58,10 @@ class FrameEvidence:
     stretch : Stretch
     regions : list of Region
         As `find_regions` gives them; the last one is the whole frame.
+    light : Stretch or None
+        Of the frame as it came, where a veil was taken off.
+    came : Pyramid or None
+        The frame as it came.
     """
 
     pyramid: Pyramid
@@ -64,6 +69,8 @@ class FrameEvidence:
     pad: Pad
     stretch: Stretch
     regions: list[Region]
+    light: Stretch | None = None
+    came: Pyramid | None = None
 
     @property
     def clear(self) -> list[Region]:
@@ -121,10 +128,14 @@ def examine(
         If the frame's aspect is not the camera's.
     """
     camera = camera.for_frame(image.shape[1], image.shape[0])
-    pyramid = prepare(image, pad, params, recorder)
-    stretch = recorder.run("stretch", None, find_stretch, pyramid)
+    pyramid = came = prepare(image, pad, params, recorder)
+    stretch = light = recorder.run("stretch", None, find_stretch, pyramid)
+    if is_veiled(light):
+        pyramid = Pyramid(unveiled(pyramid.level(0)))
+        found = recorder.run("stretch", None, find_stretch, pyramid)
+        stretch = replace(found, veiled=True, grey=light.grey)
     regions = recorder.run("clean", None, find_regions, pyramid, pad, pads)
-    return FrameEvidence(pyramid, camera, pad, stretch, regions)
+    return FrameEvidence(pyramid, camera, pad, stretch, regions, light, came)
 
 
 def diagnose(frame: FrameEvidence, failure: StageFailure) -> StageFailure:
@@ -155,7 +166,7 @@ Finding = tuple[Reason, str, str]
 
 
 def _light(frame: FrameEvidence) -> Iterator[Finding]:
-    stretch = frame.stretch
+    stretch = frame.light or frame.stretch
     top = max(stretch.high)
     if stretch.bright > _BURNT:
         yield (
@@ -170,7 +181,7 @@ def _light(frame: FrameEvidence) -> Iterator[Finding]:
             "raise exposure or gain, or light the pad",
         )
     contrast = max(h - low for h, low in zip(stretch.high, stretch.low, strict=True))
-    if contrast < 2 * _LEAST_RANGE and frame.stretch.dark < 0.5:
+    if contrast < 2 * _LEAST_RANGE and stretch.dark < 0.5:
         yield (
             Reason.NO_CONTRAST,
             f"the picture is nearly flat: its grey values span {contrast:.0f} of 255",

@@ -24,6 +24,8 @@ _DARK, _BRIGHT = 0.5, 99.5
 _LEAST_RANGE = 12.0
 # Percentiles are taken at about this width, where single pixels no longer count.
 _STATISTICS_WIDTH = 400
+# A frame is grey where channels differ by more than this in less than this share of it.
+_GREY, _COLOURED = 3, 0.002
 # A pixel is an impulse when it is this far from its neighbours' median and nearly black or white:
 # a quarter of the range, and its last thirtieth on either side.
 _IMPULSE_STEP, _BLACK, _WHITE = 60, 8, 247
@@ -42,12 +44,18 @@ class Stretch:
         Grey values of the frame.
     dark, bright : float
         Share of pixels at 2 or below in all channels, and at 253 or above in any.
+    grey : bool
+        True where all channels show the same.
+    veiled : bool
+        True where the frame's contrast was made stronger, and its noise with it.
     """
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
     dark: float
     bright: float
+    grey: bool = False
+    veiled: bool = False
 
     def apply(self, image: Image) -> Image:
         """The stretched picture, (H, W, 3) uint8."""
@@ -105,11 +113,13 @@ def find_stretch(pyramid: Pyramid) -> Stretch:
         high.append(float(b))
     blue, green, red = cv2.split(image)
     top = np.asarray(cv2.max(cv2.max(blue, green), red))
+    colour = top - cv2.min(cv2.min(blue, green), red)
     return Stretch(
         (low[0], low[1], low[2]),
         (high[0], high[1], high[2]),
         float((top <= 2).mean()),
         float((top >= 253).mean()),
+        bool((colour > _GREY).mean() < _COLOURED),
     )
 
 
@@ -155,15 +165,18 @@ def prepare(
     recorder : Recorder
         Keeps the stages `denoise` and `unmix`.
     """
-    pyramid = YuvPyramid(image) if isinstance(image, YuvFrame) else Pyramid(image)
+    if isinstance(image, YuvFrame):
+        pyramid: Pyramid = YuvPyramid(image)
+    else:
+        pyramid = recorder.make("denoise", Pyramid, image)
     denoise = recorder.run("denoise", None, find_denoise, pyramid.brightness, params.impulse_share)
     mixed = pad.crosstalk is not None and params.unmix
     if not (denoise.applied or mixed or recorder.keep):
         return pyramid
-    frame = denoised(pyramid.level(0), denoise)
+    frame = recorder.make("denoise", denoised, pyramid.level(0), denoise)
     if pad.crosstalk is not None and params.unmix:
         frame = recorder.run("unmix", None, take_apart, frame, pad.crosstalk).image
-    return Pyramid(frame)
+    return recorder.make("denoise", Pyramid, frame)
 
 
 def take_channel(

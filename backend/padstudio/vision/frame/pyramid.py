@@ -83,9 +83,11 @@ class Window(NamedTuple):
     Attributes
     ----------
     values : (h, n) uint8
-        C-contiguous, whatever the channel, so that one compiled form of a loop serves all.
+        C-contiguous, whatever the channel, so that one compiled form of a loop serves all. Rows may
+        hold more than the picture, of which nothing must be read.
     colours : (k, m) uint8
-        Likewise; empty where there are none.
+        Likewise, of ``scale`` times as many rows and columns, half of an odd number rounded up;
+        empty where there are none.
     width : int
         Columns of the picture.
     pixel : float

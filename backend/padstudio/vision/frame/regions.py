@@ -56,15 +56,23 @@ class Region:
     level: int
 
     def middle(self, side: int) -> Region:
-        """The region cut down to a square of ``side`` frame pixels round the mask's middle."""
-        assert self.mask is not None
-        y, x = (int(np.median(axis)) << self.level for axis in np.nonzero(self.mask))
+        """The region cut down to a square of ``side`` frame pixels round its middle."""
         box, half = self.box, side // 2
+        y, x = (box.y0 + box.y1) // 2, (box.x0 + box.x1) // 2
+        if self.mask is not None:
+            y, x = (int(np.median(axis)) << self.level for axis in np.nonzero(self.mask))
         cut = Box(
             max(box.x0, x - half), max(box.y0, y - half),
             min(box.x1, x + half), min(box.y1, y + half),
         )  # fmt: skip
         return Region(cut, self.mask, self.level)
+
+    def points(self) -> NDArray[np.float64]:
+        """Middles of the mask's pixels, frame pixels (N, 2)."""
+        assert self.mask is not None
+        rows, columns = np.nonzero(self.mask)
+        middles = np.column_stack([columns, rows]).astype(np.float64) + 0.5
+        return middles * float(1 << self.level) - 0.5
 
     def holds(self, xy: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which frame pixels (N, 2) lie on the mask."""

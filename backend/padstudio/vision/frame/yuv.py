@@ -48,7 +48,7 @@ class YuvPyramid(Pyramid):
     def level(self, number: int) -> Image:
         """As of `Pyramid`, from all colours."""
         if not self._levels:
-            self._levels.append(self._frame.bgr)
+            self._levels.append(np.ascontiguousarray(self._frame.bgr))
         return super().level(number)
 
     def window(self, channel: Channel, level: int) -> Window:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import chain, repeat
 
+from padstudio.vision.fusion.by_pad import by_pad
 from padstudio.vision.fusion.measurement import Measurement
 from padstudio.vision.fusion.pose_filter import PoseFilter
 from padstudio.vision.fusion.smoother import fuse
@@ -20,9 +21,8 @@ def fused_detections(
     times_s: Iterable[float | None] | None = None,
     *,
     smooth: bool = False,
-    pose_filter: PoseFilter | None = None,
 ) -> Iterator[Detection]:
-    """Detections in the order of time with fused poses.
+    """Detections in the order of time with fused poses, each pad's by themselves.
 
     Parameters
     ----------
@@ -30,13 +30,13 @@ def fused_detections(
     times_s : iterable of float or None, optional
         As of `padstudio.vision.detector.Detector.track`.
     smooth : bool
-    pose_filter : PoseFilter, optional
-        Goes on from its state.
     """
     given = chain(() if times_s is None else times_s, repeat(None))
     timed = zip(detections, filled_times(given), strict=False)
     estimate: Estimate = "smoothed" if smooth else "filtered"
-    for (detection, _), fused in fuse(timed, _measure, pose_filter or PoseFilter(), smooth=smooth):
+    runs = by_pad(timed, lambda item: item[0].pad_id)
+    fused_runs = (fuse(run, _measure, PoseFilter(), smooth=smooth) for run in runs)
+    for (detection, _), fused in chain.from_iterable(fused_runs):
         single, sigma = detection.pose, detection.uncertainty
         if fused is None or single is None or sigma is None:
             yield detection

@@ -110,7 +110,7 @@ def _paint_window_pose(trace: Trace, output: WindowPose, channel: Channel | None
     canvas = _canvas(trace)
     canvas.cells(output.read.cells, output.read.expected)
     canvas.quadrilateral(output.read.window.corners_xy, _WINDOW)
-    canvas.pose_axes(output.pose, output.camera, output.points_mm)
+    canvas.pose_axes(output.pose, output.camera, output.covariance, output.points_mm)
     return canvas.picture
 
 
@@ -127,7 +127,7 @@ def _paint_outline_pose(trace: Trace, output: OutlinePose, channel: Channel | No
     canvas = _canvas(trace)
     canvas.cells(output.read.cells, output.read.expected)
     canvas.quadrilateral(output.outline.corners_xy, _WINDOW)
-    canvas.pose_axes(output.pose, output.camera, output.points_mm)
+    canvas.pose_axes(output.pose, output.camera, output.covariance, output.points_mm)
     return canvas.picture
 
 

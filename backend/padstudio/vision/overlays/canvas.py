@@ -11,8 +11,10 @@ from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.cells.sampling import CellGrid
+from padstudio.vision.dense.answer import uncertainty_of
 from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.search.lattice import Lattice
+from padstudio.vision.stage.detection import Uncertainty
 
 Color = tuple[int, int, int]
 
@@ -21,7 +23,8 @@ FIRST: Color = (70, 190, 255)
 SECOND: Color = (255, 200, 60)
 RIGHT: Color = (90, 220, 90)
 WRONG: Color = (60, 60, 255)
-_AXES: tuple[Color, Color, Color] = ((80, 80, 255), (90, 220, 90), (255, 140, 80))
+#: Of the pad's X, Y, Z.
+AXES: tuple[Color, Color, Color] = ((80, 80, 255), (90, 220, 90), (255, 140, 80))
 # Positions are drawn with this many fractional bits.
 _SHIFT = 4
 _MOST_LINES = 400
@@ -200,25 +203,82 @@ class Canvas:
                 self._dot(xy, 1.2, color)
 
     def axes(self, found: RefinedPose) -> None:
-        """Draw the pad's axes (X red, Y green, Z blue) amid the measured part."""
+        """Draw the pad's axes (X red, Y green, Z blue) amid the measured part.
+
+        Where only range and bearing are known, the way to the pad's centre instead.
+        """
+        sigma = uncertainty_of(found.fit, found.camera.focal_px)
+        if self._is_bearing(found.fit.pose.pose, found.camera, sigma):
+            return
         points_mm = found.borders.points_mm
         origin = points_mm.mean(axis=0)
         length = 0.4 * max(float(np.ptp(points_mm[:, :2], axis=0).min()), found.layer.cell_mm)
         self._axes(found.fit.pose.project(found.camera, _axes_mm(origin, length)))
 
-    def pose_axes(self, pose: Pose, camera: Camera, points_mm: Array) -> None:
-        """Draw the pad's axes amid some of its points, (N, 3) mm."""
+    def pose_axes(self, pose: Pose, camera: Camera, covariance: Array, points_mm: Array) -> None:
+        """As `axes`, amid some of the pad's points, (N, 3) mm."""
+        if self._is_bearing(pose, camera, Uncertainty.of(pose, covariance)):
+            return
         size = float(np.ptp(points_mm[:, :2], axis=0).min())
         axes_mm = _axes_mm(points_mm.mean(axis=0), 0.4 * size)
         self._axes(MovingPose(pose).project(camera, axes_mm))
 
+    def _is_bearing(self, pose: Pose, camera: Camera, sigma: Uncertainty) -> bool:
+        """Mark the pad's centre where the attitude is too uncertain to be shown."""
+        if sigma.quality_at(pose.range_mm) != "bearing":
+            return False
+        centre = camera.project(pose.bearing[None])[0]
+        self.way_to(centre, pose.range_mm, sigma.range_sigma_mm)
+        return True
+
+    def way_to(self, centre_xy: Array, range_mm: float, sigma_mm: float) -> None:
+        """Draw a ring about the pad's centre, or an arrow to it, and say how far away it is."""
+        if not np.isfinite(centre_xy).all():
+            return
+        height, width = self.picture.shape[:2]
+        size = np.array([width, height], float)
+        radius = max(10.0, width / 60)
+        at = self._at(centre_xy)
+        inside = bool(((at > radius) & (at < size - radius)).all())
+        if inside:
+            way = [at + radius * _turned(angle) for angle in np.linspace(0, 2 * np.pi, 49)]
+        else:
+            ahead = (at - size / 2) / np.linalg.norm(at - size / 2)
+            tip = size / 2 + ahead * (0.45 * height)
+            barbs = [tip - radius * (ahead @ _rotation(turn)) for turn in (0.5, -0.5)]
+            way = [size / 2, tip, barbs[0], tip, barbs[1]]
+            at = tip
+        _polyline(self.picture, np.array(way), (0, 0, 0), 5)
+        _polyline(self.picture, np.array(way), FIRST, 2)
+        text = f"{range_mm / 1000:.2f} +- {sigma_mm / 1000:.2f} m"
+        _label(self.picture, at + [1.4 * radius, -1.4 * radius], text, width / 1400)
+
     def _axes(self, xy: Array) -> None:
         """Draw three strokes from the first of four points."""
         at = self._at(xy)
-        for end, color in zip(at[1:], _AXES, strict=True):
+        for end, color in zip(at[1:], AXES, strict=True):
             if np.isfinite(end).all() and np.isfinite(at[0]).all():
                 segment(self.picture, at[0], end, (0, 0, 0), 6)
                 segment(self.picture, at[0], end, color, 3)
+
+
+def _turned(angle: float) -> Array:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def _rotation(angle: float) -> Array:
+    return np.array([_turned(angle), _turned(angle + np.pi / 2)])
+
+
+def _label(picture: Image, xy: Array, text: str, scale: float) -> None:
+    """Write a text at a place, moved so that it lies in the picture."""
+    scale, font = max(0.5, scale), cv2.FONT_HERSHEY_SIMPLEX
+    thick = max(1, round(2 * scale))
+    (wide, tall), below = cv2.getTextSize(text, font, scale, thick)
+    room = np.array([picture.shape[1] - wide - 4, picture.shape[0] - below - 4])
+    x, y = np.clip(xy, [4, tall + 4], np.maximum(room, [4, tall + 4])).astype(int).tolist()
+    for color, width in (((0, 0, 0), thick + 3), (FIRST, thick)):
+        cv2.putText(picture, text, (x, y), font, scale, color, width, cv2.LINE_AA)
 
 
 def _axes_mm(origin: Array, length: float) -> Array:

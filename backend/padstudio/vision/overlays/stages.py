@@ -24,7 +24,6 @@ from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.search.edges import Steps
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies
-from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import StageFailure, Trace
 
 MAX_WIDTH = drawing.MAX_WIDTH
@@ -46,34 +45,23 @@ def stage_picture(trace: Trace, name: str, channel: Channel | None = None) -> Im
         BGR: the whole frame, or the part of it that the stage looked at. None where the stage did
         not run, or left nothing to see.
     """
+    output = shown_output(trace, name, channel)
+    painter = _PAINTERS.get(type(output))
+    return painter(trace, output, channel) if painter else None
+
+
+def shown_output(trace: Trace, name: str, channel: Channel | None = None) -> object:
+    """What is shown of a stage: its output; where it failed, what it had to work on.
+
+    None where the stage did not run, or there is nothing to see.
+    """
     record = trace.get(name, channel)
     if record is None:
         return None
     output = record.output
     if isinstance(output, StageFailure):
         output = _last_seen(trace, name, channel)
-    painter = _PAINTERS.get(type(output))
-    return painter(trace, output, channel) if painter else None
-
-
-def result_picture(trace: Trace, detection: Detection) -> Image:
-    """The frame with the lattice, the decoded cells and the pad's axes over it, BGR."""
-    posed = trace.get("pose")
-    if posed is not None and type(posed.output) in baseline.PAINTERS:
-        return baseline.PAINTERS[type(posed.output)](trace, posed.output, None)
-    far = trace.get("outline")
-    if detection.layer == "outline" and far is not None and isinstance(far.output, WholeSign):
-        return _paint_whole_sign(trace, far.output, None)
-    record = trace.get("choose")
-    picture = drawing.fit(trace.image, MAX_WIDTH)
-    if detection.pose is None or record is None or not isinstance(record.output, Choice):
-        return picture
-    canvas = drawing.Canvas(picture, trace.image.shape[1] / picture.shape[1])
-    canvas.grid(record.output.read.cells)
-    canvas.cells(record.output.read.cells, record.output.read.expected)
-    if posed is not None and isinstance(posed.output, RefinedPose):
-        canvas.axes(posed.output)
-    return canvas.picture
+    return output if type(output) in _PAINTERS else None
 
 
 def _last_seen(trace: Trace, name: str, channel: Channel | None) -> object:

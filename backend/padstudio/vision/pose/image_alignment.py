@@ -168,7 +168,15 @@ class Match:
         if pose is None:
             return None
         settled, everything = pose, np.ones(len(self._all.row_time), bool)
-        return Fit(settled, self._rms_px, everything, lambda: self._explain(settled, model))
+        assert self._brightness is not None
+        found = self._brightness.copy(), self._scale
+
+        def explain() -> Explained:
+            # Another fit since then may have led elsewhere.
+            self._brightness, self._scale = found[0].copy(), found[1]
+            return self._explain(settled, model)
+
+        return Fit(settled, self._rms_px, everything, explain)
 
     def _find_brightness(self, pose: MovingPose) -> None:
         """Brightness at a pose, as if the pose were right."""
@@ -212,7 +220,8 @@ class Match:
         blur = 0.0 if bounds.at_rest else self._blur_variance(pose)
 
         def rows_seen(about: MovingPose, sway: Sway | None) -> RowsSeen:
-            return RowsSeen(*self._row_sums(about, parts, sway), blur)
+            seen = parts if sway is None else self._shaken_equations(about, sway)
+            return RowsSeen(*self._row_sums(about, seen, sway), blur)
 
         settled, covariance, shaking = explain_pattern(pose, rows_seen, self._focal_px, bounds)
         covariance = covariance + self._shape_doubt(pose)
@@ -287,9 +296,9 @@ class Match:
         """Normal equations by intervals of rows, scaled so that their inverse is a covariance;
         linearized where a pose and a shaking put the rows."""
         assert self._brightness is not None
-        brightness, time = Brightness(self._brightness, self._scale), self._all.row_time
-        first, width, count = intervals_over(float(time[0]), float(time[-1]))
-        ends = np.searchsorted(time, first + width * np.arange(count + 1))
+        brightness = Brightness(self._brightness, self._scale)
+        first, width, ends = self._intervals()
+        count = len(ends) - 1
         normal, pull = np.zeros((3, count, STATIC, STATIC)), np.zeros((2, count, STATIC))
         whole, noise = np.zeros((6, 6)), _noise(parts)
         for k in range(count):
@@ -318,6 +327,37 @@ class Match:
         if sway is not None:
             sums = sums.about_rest(sway.at(first + width * np.arange(count + 1.0)))
         return sums, first, width
+
+    def _shaken_equations(self, pose: MovingPose, sway: Sway) -> list[_Equations]:
+        """As `_equations`, where a shaking puts the rows; brightness follows.
+
+        Brightness that was found while rows were off their places shows the pattern too faintly.
+        """
+        assert self._brightness is not None
+        (first, width, ends), found = self._intervals(), []
+        brightness = Brightness(self._brightness, self._scale)
+        for k in range(len(ends) - 1):
+            start = first + k * width
+            pixels = self._all.between(ends[k], ends[k + 1])
+            state = sway.within(pose, start, start + width).state
+            found.append(
+                alignment_kernel.match_pattern(
+                    pixels, self._texture, state, brightness, 6, TILES * TILES
+                )
+            )
+        self._scale = _scales(np.hstack([part.residuals for part in found]))
+        normal = np.sum([part.normal for part in found], axis=0)
+        right = np.sum([part.right for part in found], axis=0)
+        sums = np.sum([part.sums for part in found], axis=0)
+        parts = [_Equations.of(*part, 6) for part in zip(normal, right, sums, strict=True)]
+        self._brightness = self._brightness + np.stack([part.change for part in parts])
+        return parts
+
+    def _intervals(self) -> tuple[float, float, NDArray[np.intp]]:
+        """As of `intervals_over`, and the first pixel of each interval, and of none."""
+        time = self._all.row_time
+        first, width, count = intervals_over(float(time[0]), float(time[-1]))
+        return first, width, np.searchsorted(time, first + width * np.arange(count + 1))
 
     def _blur_variance(self, pose: MovingPose) -> float:
         """By how much the picture is blurrier than the pattern, frame pixels squared."""

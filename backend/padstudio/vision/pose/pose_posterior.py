@@ -39,11 +39,16 @@ _PATTERN_WITHIN, _PATTERN_GAIN = 0.42, 2.0
 # Residuals near each other are more alike than single ones by no more than such a factor, while
 # motion may be what makes them so.
 _MOST_ALIKE = 1.3
+# An exposure too short to blur a pattern visibly shows a shaking smaller by such a share.
+_UNSEEN_SHARE = 0.2
 # A profile measures a step that is off by less than this share of a cell, a pattern by less than
 # its blur.
 _EDGE_RANGE, _PATTERN_RANGE_PX = 0.21, 1.0
 # Profiles are centred again as long as that moves them by more than this share of their range.
 _CENTRED, _MOST_AGAIN = 0.15, 4
+# A pattern is matched again, so often at the most, until its rows move by less than so many pixels
+# and the pose by less than this, in squared standard deviations.
+_MOST_MATCHED, _MATCHED_PX, _MATCHED = 12, 0.05, 0.2
 # Borders are seen within such a share of the frame of the row where they are expected.
 _SAME_ROW = 0.05
 # Blurs about both axes are alike, unless their steps say otherwise with this share of their weight.
@@ -108,6 +113,16 @@ def explain_edges(
 
 def _motion(pose: MovingPose) -> Array:
     return np.concatenate([pose.shift_mm, pose.rotvec])
+
+
+def _step(pose: MovingPose, fit: RowFit) -> Array:
+    """From a pose to what a fit about it says, motion and all."""
+    return np.concatenate([fit.step[:6], fit.motion - _motion(pose)])
+
+
+def _distance(step: Array, covariance: Array) -> float:
+    """Squared length of a step in standard deviations."""
+    return float(step @ np.linalg.solve(covariance, step))
 
 
 def _measured_again(
@@ -178,18 +193,21 @@ def explain_pattern(
     rows = rows_seen(pose, None)
     fit = explain_rows(rows.sums, rows.first, rows.width, _motion(pose), bounds)
     looked_with = np.zeros_like(fit.sway)
-    for _ in range(_MOST_AGAIN if fit.sway.any() else 0):
-        if focal_px * _spread(fit.sway - looked_with) < _CENTRED * _PATTERN_RANGE_PX:
+    for _ in range(_MOST_MATCHED if fit.sway.any() else 0):
+        step = _step(pose, fit)
+        sway_px = focal_px * _spread(fit.sway - looked_with)
+        if sway_px < _MATCHED_PX and _distance(step[:6], fit.covariance) < _MATCHED:
             break
-        pose = pose.moved(np.concatenate([fit.step[:6], fit.motion - _motion(pose)]))
-        looked_with = fit.sway
+        pose, looked_with = pose.moved(step), fit.sway
         ends = rows.first + rows.width * np.arange(len(fit.sway), dtype=float)
         rows = rows_seen(pose, Sway(ends, fit.sway))
         fit = explain_rows(rows.sums, rows.first, rows.width, _motion(pose), bounds)
     step = fit.step[:6]
     if fit.shaken or not pose.still:
-        step = np.concatenate([step, fit.motion - _motion(pose)])
+        step = _step(pose, fit)
     turn = _PATTERN_GAIN * max(0.0, rows.blur_px2 - _PATTERN_WITHIN) / focal_px**2
+    if fit.shaken:
+        turn += (_UNSEEN_SHARE * _spread(fit.sway)) ** 2
     covariance = fit.covariance * _beyond(fit, focal_px, _PATTERN_RANGE_PX)
     covariance = _widened(covariance, np.full(3, turn), bounds.height_mm, focal_px)
     return Explained(pose.moved(step), covariance, fit.log_odds if fit.shaken else 0.0)

@@ -152,6 +152,12 @@ class _Posteriors:
         return cls(weight, mean, np.ascontiguousarray(found[:, :6, :6]))
 
 
+def drift_priors(bounds: MotionBounds) -> tuple[Array, Array]:
+    """Standard deviations (S, 6) of sizes of a drift, and the logarithms (S,) of their priors."""
+    some = slice(None if bounds.rolling else 1)
+    return bounds.drift_sigmas(_DRIFTS[some]), _LOG_PRIOR[some]
+
+
 def intervals_over(first: float, last: float) -> tuple[float, float, int]:
     """Where intervals of rows begin that cover some row times, their length and their number."""
     count = INTERVALS if last - first > _FEW_ROWS else FEW_INTERVALS

@@ -19,6 +19,8 @@ from padstudio.vision.stage.params import SearchParams
 # pixels that holds some cells. 0.9 and 1.6, 15 and 61 find the same stills of the score.
 _OVER_LOCAL = 1.2
 _NEIGHBOURHOOD = 31
+# Of noise a twentieth is so much above its mean (Rayleigh's law).
+_OVER_NOISE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +97,7 @@ def find_edges(plane: Plane, camera: Camera, params: SearchParams) -> EdgeSet:
     return find_steps(plane, params).lifted(camera)
 
 
-def find_steps(plane: Plane, params: SearchParams) -> Steps:
+def find_steps(plane: Plane, params: SearchParams, *, noisy: bool = False) -> Steps:
     """Thin, sub-pixel edge points of a plane.
 
     Gradients by Scharr, kept where they are the largest along the gradient's main axis
@@ -106,6 +108,8 @@ def find_steps(plane: Plane, params: SearchParams) -> Steps:
     ----------
     plane : Plane
     params : SearchParams
+    noisy : bool
+        Only steps that stand out of noise.
 
     References
     ----------
@@ -116,9 +120,10 @@ def find_steps(plane: Plane, params: SearchParams) -> Steps:
     smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
     gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0, scale=1 / 32), np.float32)
     gy = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1, scale=1 / 32), np.float32)
-    size = np.asarray(cv2.magnitude(gx, gy), np.float32)
+    size = edges_kernel.steepness(gx, gy)
     local_mean = cv2.blur(size, (_NEIGHBOURHOOD, _NEIGHBOURHOOD))
-    floor = np.maximum(np.float32(_OVER_LOCAL) * local_mean, np.float32(params.least_step))
+    over = np.float32(_OVER_NOISE if noisy else _OVER_LOCAL)
+    floor = np.maximum(over * local_mean, np.float32(params.least_step))
     found = edges_kernel.find_peaks(gx, gy, size, floor, params.most_edges)
     local, tangent, strength = found
     return Steps(plane.to_frame(local), tangent * plane.pixel, strength, plane)

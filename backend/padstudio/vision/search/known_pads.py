@@ -81,12 +81,11 @@ class FoundPad:
         """Parts of a region that do not show the pad; the region itself where none does."""
         if region.mask is None:
             return [region]
-        rows, columns = np.nonzero(region.mask)
-        cells = np.column_stack([columns, rows]).astype(np.float64)
-        shown = self.shows((cells + 0.5) * float(1 << region.level) - 0.5)
+        shown = self.shows(region.points())
         if not shown.any():
             return [region]
         mask = region.mask.copy()
+        rows, columns = np.nonzero(mask)
         mask[rows[shown], columns[shown]] = False
         return parts_of(mask, region.level, (self.camera.width, self.camera.height))
 
@@ -109,7 +108,7 @@ def together(pads: Sequence[KnownPad], *, unmix: bool) -> list[list[KnownPad]]:
     return list(groups.values())
 
 
-def check_apart(pads: Sequence[KnownPad]) -> None:
+def check_apart(pads: Sequence[Pad]) -> None:
     """Refuse pads that a picture cannot tell apart.
 
     Raises
@@ -121,14 +120,15 @@ def check_apart(pads: Sequence[KnownPad]) -> None:
         raise SpecError("give a detector one pad at least", code="no_pads")
     for number, first in enumerate(pads):
         for second in pads[number + 1 :]:
-            channel = _alike(first.pad, second.pad)
+            channel = _alike(first, second)
             if channel is not None:
+                ids = [pad_id(first), pad_id(second)]
                 raise SpecError(
-                    f"pads {first.pad.name!r} ({first.id}) and {second.pad.name!r} ({second.id}) "
+                    f"pads {first.name!r} ({ids[0]}) and {second.name!r} ({ids[1]}) "
                     f"have the same {channel} cells, so that no picture of these tells which it "
                     "is; leave one out",
                     code="pads_alike",
-                    detail={"pads": [first.id, second.id]},
+                    detail={"pads": ids},
                 )
 
 

@@ -33,6 +33,10 @@ _GROWTH = 1.5
 _NEAR = 0.14
 # Edges count for the fit within this part of a cell: half way to the border between two.
 _GATE = 0.25
+# Crossings of one lattice are those of another within this part of a cell.
+_SAME = 0.15
+# With such a share of inliers so many edges are those of a lattice, and of no steeper one besides.
+_DOUBTLESS = ((0.9, 200), (0.7, 1000))
 # Steps with all edges, at the end.
 _SETTLING = 4
 # Fewer edges of a family than this do not tell its lines.
@@ -71,10 +75,34 @@ class Lattice:
         h = np.column_stack([coordinates, np.ones(len(coordinates))]) @ self.ray_from_lattice.T
         return np.asarray(h[:, :2] / h[:, 2:], float)
 
+    def coordinates(self, rays: Array) -> Array:
+        """Lattice coordinates (N, 2) of rays (N, 2) on the plane z = 1."""
+        h = np.column_stack([rays, np.ones(len(rays))]) @ np.linalg.inv(self.ray_from_lattice).T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(h[:, :2] / h[:, 2:], float)
+
     def depth(self, coordinates: Array) -> Array:
         """Depths (N,) of lattice coordinates (N, 2) along the camera's axis, up to one factor."""
         last = self.ray_from_lattice[2]
         return np.asarray(coordinates @ last[:2] + last[2], float)
+
+    @property
+    def is_beyond_doubt(self) -> bool:
+        """True where edges show the lattice so well that no other plane need be tried."""
+        share, count = self.inlier_share, self.edge_count
+        return any(share > least and count > few for least, few in _DOUBTLESS)
+
+    def holds(self, other: Lattice) -> bool:
+        """True where the other's cells are some of this one's."""
+        first = np.array([self.columns[0], self.rows[0]])
+        last = np.array([self.columns[1], self.rows[1]])
+        corners = np.array([[c, r] for c in other.columns for r in other.rows], float)
+        beside = corners + np.where(corners < corners.mean(axis=0), 1.0, -1.0)
+        there, next_there = (self.coordinates(other.to_rays(at)) for at in (corners, beside))
+        on_crossings = (np.abs(there - np.round(there)) < _SAME).all()
+        by_one = (np.abs(np.abs(next_there - there) - 1) < _SAME).all()
+        inside = ((there > first - _SAME) & (there < last + _SAME)).all()
+        return bool(on_crossings and by_one and inside)
 
     def widened(self) -> Lattice:
         """The lattice carried on by its own width and height on every side."""

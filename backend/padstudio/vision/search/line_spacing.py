@@ -21,13 +21,13 @@ from padstudio.vision.search.search_kernel import LEAST_COSINE
 
 # An edge belongs to a family when its direction on the plane is within this slope of the axis, 10
 # degrees; 5 and 20 find the same stills of the score.
-_LEAST_SLOPE = 0.18
+LEAST_SLOPE = 0.18
 # Spacings looked for, pixels of the plane: from where edges of neighbouring lines are still apart
 # to one that a coarser scale shows as well. Tiles whose spectra are summed hold two of the widest
 # or more (55 and 220 find the same stills of the score). Bins are of half a pixel, and many enough
 # for a fine spectrum at the widest spacing.
-_SPACINGS = (3.6, 44.0)
-_TILE = 110
+SPACINGS = (3.6, 44.0)
+TILE = 110
 _BINS = 1024
 _BINS_A_PIXEL = 2
 
@@ -88,17 +88,17 @@ def find_lines(edges: EdgeSet, coherence: float, axes: Array) -> LineFamilies | 
     u, v = (edges.rays @ axes[k] / np.maximum(depth, 1e-6) for k in (0, 1))
     across_u, across_v = np.abs(edges.lines @ axes[0]), np.abs(edges.lines @ axes[1])
     seen = depth > LEAST_COSINE
-    on_u = seen & (across_v < _LEAST_SLOPE * across_u)
-    on_v = seen & (across_u < _LEAST_SLOPE * across_v)
+    on_u = seen & (across_v < LEAST_SLOPE * across_u)
+    on_v = seen & (across_u < LEAST_SLOPE * across_v)
     if min(int(on_u.sum()), int(on_v.sum())) < 8:
         return None
-    tile, count = _tiles(edges)
-    unit = 1 / _pixels_per_unit(edges)
+    tile, count = tiles_of(edges)
+    unit = 1 / pixels_per_unit(edges)
     spectra = [_spectrum(value[on], tile[on], count, unit) for value, on in ((u, on_u), (v, on_v))]
     power = spectra[0].power + spectra[1].power
     total = spectra[0].total + spectra[1].total
     frequency = np.arange(power.shape[1]) * _BINS_A_PIXEL / _BINS
-    allowed = (frequency > 1 / _SPACINGS[1]) & (frequency < 1 / _SPACINGS[0])
+    allowed = (frequency > 1 / SPACINGS[1]) & (frequency < 1 / SPACINGS[0])
     summed = np.where(allowed, power.sum(axis=0), -np.inf)
     best = int(np.argmax(summed))
     contrast = float(summed[best] / max(total, 1.0))
@@ -130,17 +130,17 @@ def _spectrum(values: Array, tile: NDArray[np.intp], count: int, unit: float) ->
     return _Spectrum(power - unordered, float(table.sum()))
 
 
-def _tiles(edges: EdgeSet) -> tuple[NDArray[np.intp], int]:
+def tiles_of(edges: EdgeSet) -> tuple[NDArray[np.intp], int]:
     plane = edges.plane
     local = plane.from_frame(edges.xy)
     h, w = plane.values.shape
-    columns, rows = max(1, round(w / _TILE)), max(1, round(h / _TILE))
+    columns, rows = max(1, round(w / TILE)), max(1, round(h / TILE))
     x = (local[:, 0] * columns / w).astype(np.intp).clip(0, columns - 1)
     y = (local[:, 1] * rows / h).astype(np.intp).clip(0, rows - 1)
     return y * columns + x, columns * rows
 
 
-def _pixels_per_unit(edges: EdgeSet) -> float:
+def pixels_per_unit(edges: EdgeSet) -> float:
     """Plane pixels for a step of 1 on the plane z = 1, amid the picture."""
     spread = edges.rays[:, :2].std(axis=0).sum()
     return float(edges.xy.std(axis=0).sum() / max(spread, 1e-9)) / edges.plane.pixel

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from padstudio.geometry.camera import Camera
@@ -19,6 +19,7 @@ from padstudio.vision.frame.prepare import Stretch, take_channel
 from padstudio.vision.frame.pyramid import Plane, Pyramid
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.search.edges import EdgeSet, Steps, find_steps
+from padstudio.vision.search.foreign import explained, within
 from padstudio.vision.search.known_pads import FoundPad, KnownPad
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.plane_normals import coherence_of
@@ -27,6 +28,9 @@ from padstudio.vision.stage.trace import Recorder
 
 # So many edges tell whether all are worth while.
 _GLANCE = 400
+# A pattern on whose lines more than this share of a look's steps lie is all that it shows. Of
+# another pattern's steps half lie there by chance.
+_ALL_BUT = 0.67
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,8 @@ class Look:
     channel : {"red", "green", "blue"}
     steps : Steps
     camera : Camera
+    is_rest : bool
+        What lies on the lines of a pattern that is no pad's was left out.
     """
 
     region: Region
@@ -47,6 +53,7 @@ class Look:
     channel: Channel
     steps: Steps
     camera: Camera
+    is_rest: bool = False
 
     @cached_property
     def edges(self) -> EdgeSet:
@@ -75,7 +82,18 @@ class Look:
         shown = found.shows(self.steps.xy)
         if not shown.any():
             return self
-        return Look(self.region, self.level, self.channel, self.steps.take(~shown), self.camera)
+        return replace(self, steps=self.steps.take(~shown))
+
+    def without(self, pattern: Lattice) -> Look:
+        """The look without what lies on the lines of a pattern; the same where that is nothing.
+
+        Nothing is left of a look that shows hardly anything besides.
+        """
+        on_lines = explained(pattern, self.camera.normalize(self.steps.xy))
+        if not on_lines.any():
+            return self
+        rest = ~on_lines & (on_lines.mean() < _ALL_BUT)
+        return replace(self, steps=self.steps.take(rest), is_rest=True)
 
     def _beyond_chance(self, *, steep: bool) -> float:
         edges = self._glance
@@ -99,12 +117,16 @@ class Search:
     recorder : Recorder
     elsewhere : int
         Layers of pads that are looked for in other planes of the same frame.
+    one_suffices : bool
+        Nothing is wanted any more once a pad has a pose that can be used as a whole.
     lattices : list of Lattice
         What was tried against the pads: each try weakens the evidence of the next.
     looks : dict
         What was made of a region, at a level and in a channel.
     found : list of FoundPad
         The rest of the search leaves out these pads, and what shows them.
+    foreign : list of Lattice
+        Clear patterns that are no pad's; looks leave out what lies on their lines.
     parts, scales : dict
         What was left of regions, and at which scales they are looked at.
     """
@@ -116,17 +138,27 @@ class Search:
     params: DetectorParams
     recorder: Recorder
     elsewhere: int = 0
+    one_suffices: bool = False
     lattices: list[Lattice] = field(default_factory=list)
     looks: dict[tuple[Region, int, Channel], Look] = field(default_factory=dict)
     found: list[FoundPad] = field(default_factory=list)
+    foreign: list[Lattice] = field(default_factory=list)
     parts: dict[tuple[Region, FoundPad], list[Region]] = field(default_factory=dict)
     scales: dict[Region, list[tuple[Region, int]]] = field(default_factory=dict)
 
     @property
     def wanted(self) -> list[KnownPad]:
-        """Pads that were not found yet."""
+        """Pads that were not found yet; none where the one that was found suffices."""
         done = [found.known for found in self.found]
+        if self.suffices:
+            return []
         return [pad for pad in self.known if pad not in done]
+
+    @property
+    def suffices(self) -> bool:
+        """True where nothing more is to be found."""
+        poses = (found.detection for found in self.found)
+        return self.one_suffices and any(pose.quality == "full" for pose in poses)
 
     @property
     def channels(self) -> list[Channel]:
@@ -139,10 +171,22 @@ class Search:
         return sorted(sizes, key=lambda channel: -sizes[channel])
 
     @property
+    def looked_at(self) -> list[Channel]:
+        """Channels in which lattices are looked for: of a grey picture one is all of them."""
+        return self.channels[:1] if self.stretch.grey else self.channels
+
+    @property
     def attempts(self) -> int:
         """How many lattices were compared with how many layers, of all pads."""
         layers = sum(len(pad.indices) for pad in self.known)
         return len(self.lattices) * (layers + self.elsewhere)
+
+    def shows_foreign(self, region: Region) -> bool:
+        """True where most of a region shows a pattern that was read, and is no pad's."""
+        if region.mask is None or not self.foreign:
+            return False
+        normalized = self.camera.normalize(region.points())
+        return any(within(pattern, normalized).mean() > 0.5 for pattern in self.foreign)
 
     def at(self, channel: Channel) -> list[tuple[KnownPad, LayerIndex]]:
         """Layers in a channel, of pads that were not found yet."""
@@ -168,7 +212,8 @@ class Search:
         for region in regions:
             for part in self.left_of(region):
                 if part not in self.scales:
-                    self.scales[part] = list(_scales_of(part, self.params.search))
+                    middles = self.stretch.grey or part.mask is not None
+                    self.scales[part] = list(_scales_of(part, self.params.search, middles))
                 yield from self.scales[part]
 
     def look(self, region: Region, level: int, channel: Channel) -> Look:
@@ -181,25 +226,29 @@ class Search:
                 self.pyramid, self.stretch, channel, level, region.box,
             )  # fmt: skip
             steps = self.recorder.run(
-                "edges", channel, _steps_in, plane, self.params.search, region
+                "edges", channel, _steps_in, plane, self.params.search, region, self.stretch.veiled
             )
-            self.looks[key] = Look(region, level, channel, steps, self.camera)
+            self.looks[key] = self.recorder.make(
+                "lines", Look, region, level, channel, steps, self.camera
+            )
         for found in self.found:
             self.looks[key] = self.looks[key].beside(found)
+        for pattern in self.foreign:
+            self.looks[key] = self.looks[key].without(pattern)
         return self.looks[key]
 
 
-def _steps_in(plane: Plane, params: SearchParams, region: Region) -> Steps:
-    steps = find_steps(plane, params)
+def _steps_in(plane: Plane, params: SearchParams, region: Region, noisy: bool) -> Steps:
+    steps = find_steps(plane, params, noisy=noisy)
     return steps if region.mask is None else steps.take(region.holds(steps.xy))
 
 
-def _scales_of(region: Region, params: SearchParams) -> Iterator[tuple[Region, int]]:
+def _scales_of(region: Region, params: SearchParams, middles: bool) -> Iterator[tuple[Region, int]]:
     """A region at the scales that suit it; at finer ones its middle, where it pays."""
     coarsest = max(0, math.floor(math.log2(max(region.box.side / params.coarsest_px, 1))))
     finest = max(0, math.ceil(math.log2(max(region.box.side / params.finest_px, 1))))
     for level in range(max(coarsest, finest), finest - 1, -1):
         yield region, level
-    if region.mask is not None:
+    if middles:
         for level in range(finest - 1, -1, -1):
             yield region.middle(params.finest_px << level), level

@@ -44,7 +44,7 @@ _WORTH = 0.8
 _CLEAR = 0.5
 
 
-def _ring(rings: tuple[tuple[int, int], ...]) -> Array:
+def ring(rings: tuple[tuple[int, int], ...]) -> Array:
     normals = []
     for tilt, count in rings:
         azimuth = 2 * math.pi * (np.arange(count) + (count % 2) / 2) / count
@@ -62,8 +62,8 @@ def _ring(rings: tuple[tuple[int, int], ...]) -> Array:
     return np.concatenate(normals)
 
 
-_LOW = np.concatenate([[[0.0, 0.0, 1.0]], _ring(_LOW_RINGS)])
-_HIGH = _ring(_HIGH_RINGS)
+_LOW = np.concatenate([[[0.0, 0.0, 1.0]], ring(_LOW_RINGS)])
+_HIGH = ring(_HIGH_RINGS)
 
 
 def coherence_of(edges: EdgeSet, *, steep: bool) -> float:

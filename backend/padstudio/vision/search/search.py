@@ -10,18 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import tee
+from itertools import tee, zip_longest
 
 from padstudio.arrays import Array
+from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Channel
 from padstudio.vision.cells.correlation import Placement
 from padstudio.vision.cells.sampling import CellGrid, read_cells
+from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.search.edges import EdgeSet
+from padstudio.vision.search.foreign import is_foreign
 from padstudio.vision.search.known_pads import KnownPad
 from padstudio.vision.search.lattice import Lattice, find_lattice
 from padstudio.vision.search.line_spacing import find_lines
 from padstudio.vision.search.looks import Look, Search
+from padstudio.vision.search.periodic_axes import find_periodic_axes
 from padstudio.vision.search.plane_normals import find_axes
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -83,7 +87,7 @@ def _round(tries: _Tries, regions: Iterable[Region]) -> Iterator[Sighting]:
     waiting: list[tuple[float, Look, bool]] = []
     most = left = frame.params.search.most_tries
     for region, level in frame.places(regions):
-        for channel in frame.channels:
+        for channel in frame.looked_at:
             look = frame.look(region, level, channel)
             if not tries.worth_while(look):
                 continue
@@ -96,12 +100,28 @@ def _round(tries: _Tries, regions: Iterable[Region]) -> Iterator[Sighting]:
                     waiting.append((look.promise, look, False))
     new = [look for look in looks if tries.is_new(look, steep=True)]
     waiting += [(look.steep_promise, look, True) for look in new]
-    waiting.sort(key=lambda item: -item[0])
-    for promise, look, steep in waiting[:most]:
-        if promise < _LEAST_PROMISE:
-            break
-        yield from tries.search(look, steep=steep)
+    waiting = [item for item in waiting if item[0] >= _LEAST_PROMISE]
+    for _, look, steep in _in_turns(waiting)[:most]:
+        # A look further up may have told all about this one.
+        if tries.is_new(look, steep=steep):
+            yield from tries.search(look, steep=steep)
+    if frame.stretch.veiled:
+        yield from tries.periodic(looks)
     yield from tries.cluttered()
+
+
+def _in_turns(waiting: list[tuple[float, Look, bool]]) -> list[tuple[float, Look, bool]]:
+    """Looks at parts of the frame and at all of it in turns, those first that promise most."""
+
+    def weight(item: tuple[float, Look, bool]) -> float:
+        edges = len(item[1].steps.xy)
+        return -item[0] * edges / (edges + _FEW_EDGES)
+
+    waiting.sort(key=weight)
+    parts = [item for item in waiting if item[1].region.mask is not None]
+    wholes = [item for item in waiting if item[1].region.mask is None]
+    pairs = zip_longest(parts, wholes)
+    return [item for pair in pairs for item in pair if item is not None]
 
 
 class _Tries:
@@ -112,6 +132,7 @@ class _Tries:
         self.nearest = Miss(nothing, Region(frame.pyramid.box, None, 0), 0)
         self.frame = frame
         self._cluttered: list[tuple[Lattice, Region]] = []
+        self._missed: list[Lattice] = []
         self._searched: set[tuple[Look, bool]] = set()
 
     def worth_while(self, look: Look) -> bool:
@@ -122,19 +143,37 @@ class _Tries:
         return failure is None
 
     def is_new(self, look: Look, *, steep: bool) -> bool:
-        """True where a look was not searched yet."""
-        return (look, steep) not in self._searched
+        """True where a look was not searched yet; what a pattern leaves over is not a steep one."""
+        return (look, steep) not in self._searched and not (steep and look.is_rest)
 
     def search(self, look: Look, *, steep: bool) -> Iterator[Sighting]:
         """Find a look's lattice and compare it; one of much clutter waits."""
         self._searched.add((look, steep))
+        rest = self.frame.look(look.region, look.level, look.channel)
+        if rest is not look:
+            # Since the look was taken, a pattern was found in it that is no pad's.
+            if steep or not self.worth_while(rest) or rest.promise < _LEAST_PROMISE:
+                return
+            look = rest
         lattice = find(self.frame, look, steep=steep)
+        if not isinstance(lattice, StageFailure) and lattice.is_beyond_doubt:
+            self._searched.add((look, True))
         if isinstance(lattice, StageFailure):
             self._failed(look, lattice)
         elif lattice.inlier_share < _CLEAR_SHARE:
             self._cluttered.append((lattice, look.region))
         else:
             yield from self._compare(lattice, look.region)
+
+    def periodic(self, looks: list[Look]) -> Iterator[Sighting]:
+        """Compare lattices whose axes are those of the clearest spacing, in looks at all."""
+        wholes = [look for look in looks if look.region.mask is None][:_MOST_PERIODIC]
+        run = self.frame.recorder.run
+        for look in wholes:
+            found = run("lines", look.channel, find_periodic_axes, look.edges)
+            lattice = _lattice_of(self.frame, look.edges, look.channel, *found)
+            if lattice is not None and lattice.inlier_share > self.frame.params.search.least_order:
+                yield from self._compare(lattice, look.region)
 
     def cluttered(self) -> Iterator[Sighting]:
         """Compare the lattices that waited, those with most of their edges on lines first."""
@@ -143,10 +182,14 @@ class _Tries:
             yield from self._compare(*self._cluttered.pop(0))
 
     def _compare(self, lattice: Lattice, region: Region) -> Iterator[Sighting]:
+        """Compare a lattice, unless its cells were compared in vain before."""
+        if any(missed.holds(lattice) for missed in self._missed):
+            return
         placed = place(self.frame, lattice, region)
         if isinstance(placed, Sighting):
             yield placed
         else:
+            self._missed.append(lattice)
             self.nearest = _nearer(self.nearest, placed)
 
     def _failed(self, look: Look, failure: StageFailure) -> None:
@@ -164,6 +207,10 @@ _CLEAR_SHARE = 0.85
 # Looks of more promise are searched at once; of less than the least, not at all: ground of no
 # order promises some 0.1 or less.
 _PROMISING, _LEAST_PROMISE = 0.35, 0.15
+# So many looks at all of a veiled frame, coarse ones first, are searched for even spacing.
+_MOST_PERIODIC = 4
+# What so few edges promise counts half.
+_FEW_EDGES = 300
 # Axes that edges agree with so little are not worth a look; 0.06 and 0.24 find the same stills.
 _LEAST_COHERENCE = 0.12
 # Cells of one layer that agree beyond chance, though by no more than this kappa, lead to a pose
@@ -198,10 +245,7 @@ def _lattice(
         coherence = max(coherence, score)
         if score < _LEAST_COHERENCE:
             break
-        families = recorder.run("lines", channel, find_lines, edges, score, axes)
-        if families is None:
-            continue
-        lattice = recorder.run("grid", channel, find_lattice, families)
+        lattice = _lattice_of(frame, edges, channel, score, axes)
         if lattice is not None and (best is None or lattice.inlier_share > best.inlier_share):
             best = lattice
         if best is not None and best.inlier_share > 0.9:
@@ -224,6 +268,15 @@ def _lattice(
     return best
 
 
+def _lattice_of(
+    frame: Search, edges: EdgeSet, channel: Channel, score: float, axes: Array
+) -> Lattice | None:
+    families = frame.recorder.run("lines", channel, find_lines, edges, score, axes)
+    if families is None:
+        return None
+    return frame.recorder.run("grid", channel, find_lattice, families)
+
+
 def place(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
     """Read a lattice's cells in every layer's channel, and look for their place on the pad.
 
@@ -242,12 +295,14 @@ def place(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
 def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Miss:
     best: Placement | None = None
     frame.lattices.append(lattice)
-    bound = frame.params.log10_false_alarm
+    bound, foreign = frame.params.log10_false_alarm, False
     for channel in frame.channels:
-        cells = frame.recorder.run("decode", channel, read_lattice, frame, lattice, channel)
+        seen = frame.pyramid, frame.camera
+        cells = frame.recorder.run("decode", channel, read_lattice, *seen, lattice, channel)
         if cells is None:
             continue
         sure: list[Sighting] = []
+        agrees = False
         for known, index in frame.at(channel):
             placement = frame.recorder.run("decode", channel, index.locate, cells, frame.attempts)
             if placement is None:
@@ -256,8 +311,12 @@ def _compared(frame: Search, lattice: Lattice, region: Region) -> Sighting | Mis
                 sure.append(Sighting(known, lattice, placement, region))
             elif best is None or placement.evidence.kappa > best.evidence.kappa:
                 best = placement
+            agrees = agrees or not is_foreign(lattice, placement, known.pad.levels)
         if sure:
             return min(sure, key=lambda item: item.placement.evidence.log10_false_alarm)
+        foreign = foreign or not agrees
+    if foreign and best is not None:
+        frame.foreign.append(lattice)
     level = lattice.families.edges.plane.level
     if best is None:
         failure = StageFailure("decode", Reason.TOO_FEW_CELLS, "no cell of the grid lies in view")
@@ -276,13 +335,15 @@ def _named(frame: Search) -> str:
     return "this pad" if len(frame.known) == 1 else f"these {len(frame.known)} pads"
 
 
-def read_lattice(frame: Search, lattice: Lattice, channel: Channel) -> CellGrid | None:
+def read_lattice(
+    pyramid: Pyramid, camera: Camera, lattice: Lattice, channel: Channel
+) -> CellGrid | None:
     """The cells of a lattice as one channel shows them, those at its rim too."""
 
     def to_pixels(coordinates: Array) -> Array:
-        return frame.camera.denormalize(lattice.to_rays(coordinates))
+        return camera.denormalize(lattice.to_rays(coordinates))
 
     # Beyond the last line in view lie cells that are cut by the frame's edge.
     columns = (lattice.columns[0] - 1, lattice.columns[1] + 1)
     rows = (lattice.rows[0] - 1, lattice.rows[1] + 1)
-    return read_cells(frame.pyramid, channel, to_pixels, columns, rows)
+    return read_cells(pyramid, channel, to_pixels, columns, rows)

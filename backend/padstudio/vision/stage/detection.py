@@ -17,7 +17,8 @@ from padstudio.geometry.range_bearing import (
     quality_of,
     range_sigma_mm,
 )
-from padstudio.vision.stage.trace import StageFailure, Trace
+from padstudio.pad.spec import Channel
+from padstudio.vision.stage.trace import Finding, StageFailure, Trace
 
 Method = Literal["dense", "paper"]
 #: What a pose rests on: one frame; it and those before it; those after it, too.
@@ -118,9 +119,15 @@ class Detection:
     shift_mm, turn_rad : (3,) float64 or None
         Change of the camera's centre (pad frame) and attitude (rotation vector, camera frame)
         while a rolling shutter read the frame, from its first row to its last.
+    shaking : float
+        Natural logarithm of the odds that the camera shook meanwhile; 0 where nothing says so.
     flatness_mm : float or None
         Peak to valley of a bent sheet's heights in view, over the plane that fits it best, to which
         the pose is relative; None where no bend shows.
+    failed_at : mapping
+        Without a pose, the stage at which each channel failed that was looked at.
+    warnings : tuple of Finding
+        What a second look finds to doubt of a pose, where it was asked for.
     elapsed_ms : mapping
         Milliseconds per stage (summed over channels) and ``total``.
     trace : Trace or None
@@ -140,7 +147,10 @@ class Detection:
     ambiguity: float = 0.0
     shift_mm: Array | None = None
     turn_rad: Array | None = None
+    shaking: float = 0.0
     flatness_mm: float | None = None
+    failed_at: Mapping[Channel, str] = field(default_factory=dict)
+    warnings: tuple[Finding, ...] = ()
     elapsed_ms: Mapping[str, float] = field(default_factory=dict)
     trace: Trace | None = None
 
@@ -194,6 +204,9 @@ class Detection:
                 "detail": failure.detail,
                 "advice": failure.advice,
             }
+            if self.failed_at:
+                record["failed_at"] = dict(self.failed_at)
+            found = failure.also
         else:
             record |= {"status": "ok", **pose_fields(self.pose), **self._evidence()}
             record |= {"estimate": self.estimate}
@@ -201,6 +214,12 @@ class Detection:
                 record["pad_id"] = self.pad_id
             if self.single is not None:
                 record["single"] = single_fields(self.single)
+            found = self.warnings
+        if found:
+            record["findings"] = [
+                {"reason": str(item.reason), "detail": item.detail, "advice": item.advice}
+                for item in found
+            ]
         record["elapsed_ms"] = {name: round(ms, 3) for name, ms in self.elapsed_ms.items()}
         return record
 

@@ -18,6 +18,31 @@ T = TypeVar("T", int, float, bool)
 #: A bound of a range: a number, or the name of a number's parameter in the same group.
 Bound = float | str
 
+#: The detector's methods, as of `padstudio.vision.stage.detection.Method`.
+METHODS = ("dense", "paper")
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Where a parameter counts.
+
+    Attributes
+    ----------
+    stages : tuple of str
+        The stages that look at it, the first one where a reader looks for it: no other is run
+        again where it changes.
+    methods : tuple of str
+    followed : bool
+        It counts only where the last frame's pose is followed, never in a still.
+    """
+
+    stages: tuple[str, ...] = ()
+    methods: tuple[str, ...] = METHODS
+    followed: bool = False
+
+
+_ANYWHERE = Scope()
+
 
 @dataclass(frozen=True)
 class _Declared:
@@ -25,6 +50,7 @@ class _Declared:
     high: Bound
     unit: str
     text: str
+    scope: Scope
 
 
 @dataclass(frozen=True)
@@ -47,6 +73,7 @@ class Parameter:
         ``px``, ``cells``, ``degrees``, ``share``, ``log10`` …; empty where it counts things.
     text : str
         One sentence: what it does.
+    scope : Scope
     """
 
     name: str
@@ -59,9 +86,12 @@ class Parameter:
     not_above: str | None
     unit: str
     text: str
+    scope: Scope = _ANYWHERE
 
 
-def parameter(default: T, low: Bound, high: Bound, unit: str, text: str) -> T:
+def parameter(
+    default: T, low: Bound, high: Bound, unit: str, text: str, scope: Scope = _ANYWHERE
+) -> T:
     """A field of a group.
 
     Parameters
@@ -69,15 +99,28 @@ def parameter(default: T, low: Bound, high: Bound, unit: str, text: str) -> T:
     default : int, float or bool
     low, high : float or str
         The range, ends included; a name stands for what that parameter of the group is set to.
-    unit, text : str
+    unit, text, scope
         As of `Parameter`.
     """
-    return field(default=default, metadata={_Declared: _Declared(low, high, unit, text)})
+    return field(default=default, metadata={_Declared: _Declared(low, high, unit, text, scope)})
 
 
-def switch(default: bool, text: str) -> bool:
+def switch(default: bool, text: str, scope: Scope = _ANYWHERE) -> bool:
     """A field that is on or off."""
-    return parameter(default, 0, 1, "", text)
+    return parameter(default, 0, 1, "", text, scope)
+
+
+def values_at(group: Any, stage: str) -> tuple[Any, ...]:
+    """What a stage sees of a group and of the groups within it, in the order of declaration."""
+    found: list[Any] = []
+    for item in fields(group):
+        declared: _Declared | None = item.metadata.get(_Declared)
+        value = getattr(group, item.name)
+        if declared is None:
+            found.append(values_at(value, stage))
+        elif stage in declared.scope.stages:
+            found.append(value)
+    return tuple(found)
 
 
 def check(group: Any) -> None:
@@ -123,8 +166,9 @@ def parameters_of(group: Any, place: str = "") -> Iterator[Parameter]:
         high, not_above = _bound(declared, own.high, "high")
         kind = type(value).__name__
         yield Parameter(
-            where, place, kind, value, low, high, not_below, not_above, own.unit, own.text
-        )
+            where, place, kind, value, low, high, not_below, not_above,
+            own.unit, own.text, own.scope,
+        )  # fmt: skip
 
 
 def _bound(

@@ -10,10 +10,11 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from padstudio.arrays import Image
 from padstudio.pad.spec import Channel
+from padstudio.vision.stage.memo import Memo, key_of
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -57,6 +58,35 @@ class Reason(StrEnum):
     CHANNELS_SWAPPED = "channels_swapped"
     MIRRORED = "mirrored"
     INVERTED = "inverted"
+    # These are told by a second look alone (`padstudio.vision.reasons`).
+    BLACK_FRAME = "black_frame"
+    DEFOCUS = "defocus"
+    ANOTHER_PAD = "another_pad"
+    COVERED = "covered"
+    CUT_OFF = "cut_off"
+    NO_PAD = "no_pad"
+    MONOCHROME = "monochrome"
+    WRONG_CAMERA = "wrong_camera"
+    PRINT_SCALE = "print_scale"
+    WARPED = "warped"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a second look found wrong with a frame.
+
+    Attributes
+    ----------
+    reason : Reason
+    detail : str
+        A sentence with the measured figures.
+    advice : str
+        What to try, in plain words.
+    """
+
+    reason: Reason
+    detail: str
+    advice: str
 
 
 @dataclass(frozen=True)
@@ -72,12 +102,15 @@ class StageFailure:
         A sentence with the measured figures.
     advice : str
         What to try, in plain words.
+    also : tuple of Finding
+        What a second look found besides, the likeliest first.
     """
 
     stage: str
     reason: Reason
     detail: str
     advice: str = ""
+    also: tuple[Finding, ...] = ()
 
     @property
     def progress(self) -> int:
@@ -140,13 +173,19 @@ class Recorder:
     ----------
     keep : bool
         Keep every stage's output.
+    memo : Memo or None
+        Of earlier runs over the same frame: stages whose inputs are the same are not run again,
+        and count with the time that they took then.
+    in_full : bool
+        A failure's reasons are wanted in full, by a second look that takes its time.
     """
 
-    def __init__(self, *, keep: bool) -> None:
-        self.keep = keep
+    def __init__(self, *, keep: bool, memo: Memo | None = None, in_full: bool = False) -> None:
+        self.keep, self.memo, self.in_full = keep, memo, in_full
         self._started = time.perf_counter()
         self._elapsed: dict[str, float] = defaultdict(float)
         self._records: list[StageRecord] = []
+        self._failed: dict[Channel, StageFailure] = {}
 
     def run(
         self,
@@ -157,21 +196,56 @@ class Recorder:
         **kwargs: P.kwargs,
     ) -> T:
         """Run a stage, time it, keep its output."""
-        begin = time.perf_counter()
-        output = stage(*args, **kwargs)
-        elapsed = 1e3 * (time.perf_counter() - begin)
+        output, elapsed = self._called(name, stage, args, kwargs)
         self._elapsed[name] += elapsed
         self.note(name, channel, output, elapsed)
         return output
 
+    def make(self, name: str, make: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Make what stages work on: with a memo the same object of the same inputs.
+
+        Parameters
+        ----------
+        name : str
+            The stage whose parameters it may depend on.
+        make : callable
+        """
+        return self._called(name, make, args, kwargs)[0]
+
+    def _called(
+        self, name: str, function: Callable[..., T], args: tuple[Any, ...], kwargs: dict[str, Any]
+    ) -> tuple[T, float]:
+        """What a function gives, and what it took, ms."""
+        key = None
+        if self.memo is not None:
+            key = key_of(name, function, (args, kwargs))
+            found = self.memo.find(key)
+            if found is not None:
+                return found
+        begin = time.perf_counter()
+        output = function(*args, **kwargs)
+        elapsed = 1e3 * (time.perf_counter() - begin)
+        if self.memo is not None:
+            self.memo.keep(key, output, elapsed, (function, args, kwargs))
+        return output, elapsed
+
     def note(self, name: str, channel: Channel | None, output: object, elapsed: float = 0) -> None:
-        """Keep an output that was made elsewhere."""
+        """Keep an output that was made elsewhere; of failures that of each channel that came
+        nearest to an answer, also without a trace."""
+        if channel is not None and isinstance(output, StageFailure):
+            before = self._failed.get(channel, output)
+            self._failed[channel] = max(before, output, key=lambda failure: failure.progress)
         if self.keep:
             self._records.append(StageRecord(name, channel, elapsed, output))
 
     def append(self, other: Recorder) -> None:
         """Keep another run's outputs behind one's own; its time does not count."""
         self._records.extend(other._records)
+
+    @property
+    def failed_at(self) -> dict[Channel, str]:
+        """The stage at which each channel failed that was looked at, where it came farthest."""
+        return {channel: failure.stage for channel, failure in self._failed.items()}
 
     def elapsed_ms(self) -> dict[str, float]:
         """Milliseconds per stage, and ``total`` since the recorder was made."""

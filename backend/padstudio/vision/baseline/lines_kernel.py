@@ -1,0 +1,162 @@
+"""Compiled inner loops of `hough` and `vanishing_points`, which document what they compute."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from padstudio.arrays import Array
+from padstudio.compiled import jit
+
+# So few edge points fit no line.
+_LEAST_POINTS = 8
+
+
+@jit
+def merge(pieces: Array, order: NDArray[np.intp], near: float) -> NDArray[np.intp]:
+    """Groups of pieces (N, 2, 2) that lie on one line, by number, in the order of their first.
+
+    A piece gathers all free ones beside its own line, and then those beside the line through these.
+    """
+    group = np.full(len(pieces), -1, np.intp)
+    count = 0
+    for k in order:
+        if group[k] >= 0:
+            continue
+        _gather(group, pieces, count, _of_piece(pieces, k), near)
+        group[k] = count
+        _gather(group, pieces, count, _through_group(pieces, group, count), near)
+        count += 1
+    return group
+
+
+@jit
+def _gather(
+    group: NDArray[np.intp],
+    pieces: Array,
+    count: int,
+    line: tuple[float, float, float],
+    near: float,
+) -> None:
+    """Give free pieces with both ends beside a line its group's number."""
+    nx, ny, c = line
+    for i in range(len(pieces)):
+        if group[i] < 0:
+            first = abs(pieces[i, 0, 0] * nx + pieces[i, 0, 1] * ny + c)
+            last = abs(pieces[i, 1, 0] * nx + pieces[i, 1, 1] * ny + c)
+            if first < near and last < near:
+                group[i] = count
+
+
+@jit
+def _of_piece(pieces: Array, k: int) -> tuple[float, float, float]:
+    """The line through a piece's two ends."""
+    dx, dy = pieces[k, 1, 0] - pieces[k, 0, 0], pieces[k, 1, 1] - pieces[k, 0, 1]
+    length = max(math.hypot(dx, dy), 1e-12)
+    nx, ny = -dy / length, dx / length
+    return nx, ny, -(nx * pieces[k, 0, 0] + ny * pieces[k, 0, 1])
+
+
+@jit
+def _fitted(mx: float, my: float, xx: float, xy: float, yy: float) -> tuple[float, float, float]:
+    """The line of total least squares, by sums about its points' mean."""
+    angle = 0.5 * math.atan2(2 * xy, xx - yy)
+    nx, ny = -math.sin(angle), math.cos(angle)
+    return nx, ny, -(nx * mx + ny * my)
+
+
+@jit
+def _through_group(
+    pieces: Array, group: NDArray[np.intp], number: int
+) -> tuple[float, float, float]:
+    """The line through the ends of a group's pieces."""
+    count, mx, my = 0, 0.0, 0.0
+    for i in range(len(pieces)):
+        if group[i] == number:
+            count += 2
+            mx += pieces[i, 0, 0] + pieces[i, 1, 0]
+            my += pieces[i, 0, 1] + pieces[i, 1, 1]
+    mx, my = mx / count, my / count
+    xx = xy = yy = 0.0
+    for i in range(len(pieces)):
+        if group[i] == number:
+            for end in range(2):
+                x, y = pieces[i, end, 0] - mx, pieces[i, end, 1] - my
+                xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
+    return _fitted(mx, my, xx, xy, yy)
+
+
+@jit
+def join(pieces: Array, group: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Ends (M, 2, 2) of the lines through groups of pieces, and the length that they cover (M,)."""
+    count = group.max() + 1
+    ends, support = np.empty((count, 2, 2)), np.empty(count)
+    for number in range(count):
+        nx, ny, c = _through_group(pieces, group, number)
+        members = np.flatnonzero(group == number)
+        low, high = np.empty(len(members)), np.empty(len(members))
+        for m, i in enumerate(members):
+            first = pieces[i, 0, 1] * nx - pieces[i, 0, 0] * ny
+            last = pieces[i, 1, 1] * nx - pieces[i, 1, 0] * ny
+            low[m], high[m] = min(first, last), max(first, last)
+        length, reach = 0.0, -np.inf
+        for m in np.argsort(low):
+            length += max(0.0, high[m] - max(low[m], reach))
+            reach = max(reach, high[m])
+        support[number] = length
+        for end, at in enumerate((low.min(), reach)):
+            ends[number, end, 0] = -c * nx - at * ny
+            ends[number, end, 1] = -c * ny + at * nx
+    return ends, support
+
+
+@jit
+def sharpen(ends: Array, points: Array, near: float) -> Array:
+    """Lines (M, 2, 2) fitted to the edge points (P, 2) beside them, twice."""
+    sharp = ends.copy()
+    beside = np.empty(len(points), np.intp)
+    for k in range(len(ends)):
+        nx, ny, c = _of_piece(ends, k)
+        ax, ay = -ny, nx
+        first, last = (
+            ends[k, 0, 0] * ax + ends[k, 0, 1] * ay,
+            ends[k, 1, 0] * ax + ends[k, 1, 1] * ay,
+        )
+        low, high = min(first, last) - 1, max(first, last) + 1
+        for _ in range(2):
+            count, mx, my = 0, 0.0, 0.0
+            for p in range(len(points)):
+                x, y = points[p, 0], points[p, 1]
+                if abs(x * nx + y * ny + c) < near and low <= x * ax + y * ay <= high:
+                    beside[count] = p
+                    count, mx, my = count + 1, mx + x, my + y
+            if count < _LEAST_POINTS:
+                break
+            mx, my = mx / count, my / count
+            xx = xy = yy = 0.0
+            for p in beside[:count]:
+                x, y = points[p, 0] - mx, points[p, 1] - my
+                xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
+            nx, ny, c = _fitted(mx, my, xx, xy, yy)
+        for end in range(2):
+            foot = ends[k, end, 0] * nx + ends[k, end, 1] * ny + c
+            sharp[k, end, 0] = ends[k, end, 0] - foot * nx
+            sharp[k, end, 1] = ends[k, end, 1] - foot * ny
+    return sharp
+
+
+@jit
+def pointed_at(points: Array, ends: Array, weight: Array, aligned_rad: float) -> Array:
+    """The weight (N,) of the lines (M, 2, 2) that point at each of some points (N, 3)."""
+    out = np.zeros(len(points))
+    steepest = math.tan(aligned_rad)
+    for p in range(len(points)):
+        for k in range(len(ends)):
+            ax, ay = ends[k, 1, 0] - ends[k, 0, 0], ends[k, 1, 1] - ends[k, 0, 1]
+            mx, my = (ends[k, 0, 0] + ends[k, 1, 0]) / 2, (ends[k, 0, 1] + ends[k, 1, 1]) / 2
+            tx, ty = points[p, 0] - points[p, 2] * mx, points[p, 1] - points[p, 2] * my
+            if abs(ax * ty - ay * tx) < steepest * abs(ax * tx + ay * ty):
+                out[p] += weight[k]
+    return out
