@@ -1,0 +1,1 @@
+"""A camera's intrinsics and lens from pictures of a pad."""
