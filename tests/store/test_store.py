@@ -42,6 +42,33 @@ def test_add_get_list_delete(store: Store) -> None:
             act(first.id)
 
 
+def test_the_same_file_again_is_the_one_that_is_there(store: Store) -> None:
+    first = store.pads.add("{1}", SUMMARY)
+    again = store.pads.add("{1}", {"name": "other"})
+    assert (again.id, again.summary, again.was_known) == (first.id, SUMMARY, True)
+    assert not store.cameras.add("{1}", SUMMARY).was_known
+    assert store.pads.list(10, 0)[1] == 1
+    store.pads.delete(first.id)
+    assert store.pads.add("{1}", SUMMARY).id != first.id
+
+
+def test_a_name_that_only_one_has_is_as_good_as_its_id(store: Store) -> None:
+    roof = store.pads.add("{1}", {"name": "roof 'ü'"})
+    twins = [store.pads.add(f"{{{number}}}", {"name": "yard"}) for number in (2, 3)]
+    assert store.pads.get("roof 'ü'").id == roof.id
+    with pytest.raises(ConflictError, match="several pads are called 'yard'") as refusal:
+        store.pads.get("yard")
+    assert refusal.value.error_code == "ambiguous_name"
+    store.pads.delete(twins[0].id)
+    assert store.pads.get("yard").id == twins[1].id
+    named_as_id = store.pads.add("{4}", {"name": roof.id})
+    assert store.pads.get(roof.id).id == roof.id
+    assert store.pads.get(named_as_id.id).id == named_as_id.id
+    for nobody in ("", "roo", "ROOF 'Ü'", "%"):
+        with pytest.raises(NotFoundError):
+            store.pads.get(nobody)
+
+
 def test_everything_survives_a_restart(tmp_path: Path, new_database: NewDatabase) -> None:
     url = new_database()
     store = Store(tmp_path, url)

@@ -54,6 +54,7 @@ def test_errors_come_back_as_their_nearest_known_class(pool: WorkerPool) -> None
         pool.submit(worker_jobs.refuse, timeout_s=30).result()
     assert caught.value.detail == {"field": 3}
     assert caught.value.error_code == "search_exhausted"
+    assert (caught.value.status, caught.value.exit_code) == (418, 5)
 
 
 def test_a_defect_carries_the_workers_traceback(pool: WorkerPool) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import cv2
 
-from padstudio.errors import SpecError, StudioError
+from padstudio.errors import StudioError
 from padstudio.flights.results.fusing import Fusion, fused_records, without_covariance
 from padstudio.flights.tasks import from_rows
 from padstudio.flights.tasks.detectors import Recipe, detector_for
@@ -108,21 +108,10 @@ def plan(
         Read every n-th frame of videos.
     apply_rotation : bool
         Turn videos as their rotation flag says.
-
-    Raises
-    ------
-    SpecError
-        If there is a video and the recipe has several pads: a video is followed by one.
     """
     pieces: list[Piece] = []
     for path in paths:
         if is_video(path):
-            if recipe.others:
-                raise SpecError(
-                    f"{path.as_posix()} is a video, and a video is followed by one pad; give one "
-                    "--pad, or stills",
-                    code="several_pads",
-                )
             pieces += _plan_video(path, recipe, stride, apply_rotation)
         else:
             pieces.append(Piece(path.as_posix(), range(1), Still(path, recipe)))
@@ -205,11 +194,10 @@ def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -
     return [
         Piece(
             source,
-            range(chunk.first_frame, chunk.first_frame + chunk.frames * stride, stride),
+            numbers := range(chunk.first_frame, chunk.first_frame + chunk.frames * stride, stride),
             FramesTask(
                 recipe,
-                chunk.first_frame,
-                stride,
+                numbers,
                 from_rows.video_part(found.sources[0], chunk.pts),
                 images.MAX_PIXELS,
             ),

@@ -18,7 +18,7 @@ from padstudio.flights.results.fused_rows import fuse_around
 from padstudio.flights.results.rows import insert_rows, rows_of
 from padstudio.flights.tasks.frames import Record
 from padstudio.flights.tasks.planning import Plan
-from padstudio.store.database.flight_tables import OPEN, ChunkRow, FlightRow
+from padstudio.store.database.flight_tables import OPEN, RECIPE, ChunkRow, FlightRow
 
 # Enough for the slowest disk and a machine full of other work; only what hangs takes longer.
 _LEASE_S, _FRAME_LEASE_S = 600.0, 10.0
@@ -107,12 +107,12 @@ class Chunks:
         return claims
 
     def load(self, claim: Claim) -> tuple[FlightRow, ChunkRow] | None:
-        """A claim's flight, with pad and camera, and chunk; None where they are gone."""
+        """A claim's flight, with pads and camera, and chunk; None where they are gone."""
         with self._session() as session:
-            flight = session.get(
-                FlightRow, claim.flight, options=[undefer(FlightRow.pad), undefer(FlightRow.camera)]
+            flight = session.get(FlightRow, claim.flight, options=[*map(undefer, RECIPE)])
+            chunk = session.get(
+                ChunkRow, claim.chunk, options=[undefer(ChunkRow.pts), undefer(ChunkRow.numbers)]
             )
-            chunk = session.get(ChunkRow, claim.chunk, options=[undefer(ChunkRow.pts)])
         return (flight, chunk) if flight and chunk else None
 
     def finish_plan(self, claim: Claim, plan: Plan) -> bool:
@@ -131,6 +131,7 @@ class Chunks:
                         "first_frame": chunk.first_frame,
                         "frames": chunk.frames,
                         "pts": chunk.pts,
+                        "numbers": chunk.numbers,
                     }
                     for number, chunk in enumerate(plan.chunks, 1)
                 ],

@@ -20,6 +20,7 @@ from padstudio.errors import ConflictError, LimitError, NotFoundError
 from padstudio.store.database.data_folder import new_id
 from padstudio.store.database.flight_tables import (
     OPEN,
+    RECIPE,
     ChunkRow,
     FlightRow,
     FlightUploadRow,
@@ -46,6 +47,8 @@ class FlightOrder:
         JSON-serialisable: ``method``, ``params``, ``first_frame``, ``end_frame``, ``stride``,
         ``apply_rotation``, ``fuse``, ``smooth``, and what else lists show.
     rerun_of : str or None
+    other_pads : sequence of str
+        The content of more pad files, of pads that frames may show as well, or instead.
     """
 
     name: str
@@ -54,6 +57,7 @@ class FlightOrder:
     camera: str
     request: Mapping[str, Any] = field(default_factory=dict)
     rerun_of: str | None = None
+    other_pads: Sequence[str] = ()
 
 
 class Flights:
@@ -90,6 +94,7 @@ class Flights:
             frames_ok=0,
             rerun_of=order.rerun_of,
             pad=order.pad,
+            other_pads=list(order.other_pads),
             camera=order.camera,
         )
         try:
@@ -125,13 +130,13 @@ class Flights:
         ----------
         flight_id : str
         texts : bool
-            With its pad, camera and telemetry.
+            With its pads, camera and telemetry.
 
         Raises
         ------
         NotFoundError
         """
-        options = [undefer(FlightRow.pad), undefer(FlightRow.camera), undefer(FlightRow.telemetry)]
+        options = [*map(undefer, RECIPE), undefer(FlightRow.telemetry)]
         with self._session() as session:
             found = session.scalar(
                 select(FlightRow)
@@ -187,6 +192,13 @@ class Flights:
                 .where(ChunkRow.flight == flight.key, ChunkRow.state.in_(("failed", "cancelled")))
                 .values(state="queued", failures=0, error=None, lease_until=None)
             )
+        return self.get(flight_id)
+
+    def rename(self, flight_id: str, name: str) -> FlightRow:
+        """Call a flight otherwise; raises as `get`."""
+        flight = self.get(flight_id)
+        with self._session.begin() as session:
+            session.execute(update(FlightRow).where(FlightRow.key == flight.key).values(name=name))
         return self.get(flight_id)
 
     def delete(self, flight_id: str) -> None:

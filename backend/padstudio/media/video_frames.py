@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -58,6 +58,7 @@ def read_frames(
     rotation_deg: int = 0,
     is_counted: bool = False,
     max_pixels: int = MAX_PIXELS,
+    keep: Callable[[int, VideoFrame | None, bool], None] | None = None,
 ) -> Generator[VideoPicture]:
     """Decode frames of a video by their timestamps.
 
@@ -75,6 +76,9 @@ def read_frames(
     is_counted : bool
         As of `VideoIndex`.
     max_pixels : int
+    keep : callable or None
+        Takes each frame as it was decoded, with its timestamp and whether it is damaged; pictures
+        are not made then.
 
     Yields
     ------
@@ -94,14 +98,23 @@ def read_frames(
     for at, frame in numbered(source, wanted[0], max_pixels):
         is_damaged = bool(frame.is_corrupt or (is_damaged and not frame.key_frame))
         while place < len(wanted) and wanted[place] < at:
+            if keep is not None:
+                keep(wanted[place], None, is_damaged)
             yield VideoPicture(wanted[place], None)
             place, is_damaged = place + 1, is_damaged or not frame.key_frame
         if place < len(wanted) and wanted[place] == at:
-            yield VideoPicture(at, _to_frame(frame, rotation_deg, max_pixels), is_damaged)
+            picture = None
+            if keep is not None:
+                keep(at, frame, is_damaged)
+            else:
+                picture = to_frame(frame, rotation_deg, max_pixels)
+            yield VideoPicture(at, picture, is_damaged)
             place += 1
         if place == len(wanted):
             return
     for missing in wanted[place:]:
+        if keep is not None:
+            keep(missing, None, is_damaged)
         yield VideoPicture(missing, None)
 
 
@@ -138,7 +151,14 @@ def _seek(container: InputContainer, stream: VideoStream, pts: int, back_s: floa
         container.seek(pts - back, stream=stream, backward=True)
 
 
-def _to_frame(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> Image | YuvFrame:
+def to_frame(frame: VideoFrame, rotation_deg: int, max_pixels: int) -> Image | YuvFrame:
+    """A decoded frame in planes where they are of a known kind, else as BGR, turned clockwise.
+
+    Raises
+    ------
+    LimitError
+        If it has too many pixels.
+    """
     # A stream may change its size on the way.
     if frame.width * frame.height > max_pixels:
         raise LimitError(

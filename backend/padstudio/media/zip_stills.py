@@ -27,10 +27,10 @@ _UNREADABLE = (
     ValueError,
     NotImplementedError,
 )
-# Generous for a directory's entry: 46 bytes, its name and its extra fields.
-_ENTRY_BYTES = 1000
-# The two records at a zip's end with the longest comment: 22 + 56 + 20 + 65 535.
-_TAIL_BYTES = 66_000
+#: Generous for a directory's entry: 46 bytes, its name and its extra fields.
+ENTRY_BYTES = 1000
+#: The two records at a zip's end with the longest comment: 22 + 56 + 20 + 65 535.
+TAIL_BYTES = 66_000
 
 
 @dataclass(frozen=True)
@@ -119,19 +119,35 @@ def read_still(path: Path, name: str, limits: ZipLimits | None = None) -> bytes:
 def _check_directory(path: Path, limits: ZipLimits) -> None:
     """Refuse a directory too long to be read into memory (APPNOTE 6.3.10, 4.3.14 and 4.3.16)."""
     with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - _TAIL_BYTES))
-        tail = file.read()
-    sizes = [0]
-    for signature, at, length in ((b"PK\x05\x06", 12, 4), (b"PK\x06\x06", 40, 8)):
-        place = tail.rfind(signature)
-        size = int.from_bytes(tail[place + at : place + at + length], "little")
-        # All ones: the longer record has it.
-        sizes += [size] if place >= 0 and size < 2 ** (8 * length) - 1 else []
-    if max(sizes) > limits.files * _ENTRY_BYTES:
+        file.seek(max(0, path.stat().st_size - TAIL_BYTES))
+        most = directory_bytes(file.read())
+    if most > limits.files * ENTRY_BYTES:
         raise LimitError(
             f"the zip holds more than {limits.files} files, the limit: split it",
             code="zip_too_many_files",
         )
+
+
+def directory_bytes(tail: bytes) -> int:
+    """The length of a zip's directory; of several that its end may name, the longest.
+
+    Which of them a reader takes for the zip's own, a file's maker may have a say in.
+
+    Parameters
+    ----------
+    tail : bytes
+        The last `TAIL_BYTES` of the zip, or all of it.
+    """
+    longest = 0
+    for signature, at, length in ((b"PK\x05\x06", 12, 4), (b"PK\x06\x06", 40, 8)):
+        place = tail.find(signature)
+        while place >= 0:
+            size = int.from_bytes(tail[place + at : place + at + length], "little")
+            # All ones: the longer record has it.
+            if size < 2 ** (8 * length) - 1:
+                longest = max(longest, size)
+            place = tail.find(signature, place + 1)
+    return longest
 
 
 def _check_size(entries: list[zipfile.ZipInfo], packed_bytes: int, limits: ZipLimits) -> None:

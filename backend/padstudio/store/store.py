@@ -15,10 +15,11 @@ from typing import Any, Generic, TypeVar
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
-from padstudio.errors import NotFoundError
+from padstudio.errors import ConflictError, NotFoundError
 from padstudio.store.database.data_folder import DataFolder
 from padstudio.store.database.data_folder import new_id as new_id
 from padstudio.store.database.engine import Sessions, open_database
+from padstudio.store.database.presets import Presets
 from padstudio.store.database.tables import CameraRow, PadRow
 from padstudio.store.database.traces import Traces
 from padstudio.store.uploads.limits import UploadLimits
@@ -40,12 +41,15 @@ class Stored:
         What lists show of it, JSON-serialisable.
     content : str or None
         The pad file or camera file; None in lists.
+    was_known : bool
+        It was there already when it was to be added.
     """
 
     id: str
     created_at: datetime
     summary: Mapping[str, Any]
     content: str | None = None
+    was_known: bool = False
 
 
 class Shelf(Generic[RowT]):
@@ -57,11 +61,16 @@ class Shelf(Generic[RowT]):
         self._word = word
 
     def add(self, content: str, summary: Mapping[str, Any]) -> Stored:
-        """Store a file under a new id."""
+        """Store a file under a new id; the same file again is the one that is there."""
+        table = self._table
         stored = Stored(new_id(), datetime.now(UTC), summary, content)
+        same = select(table).where(table.content == content).order_by(table.created_at)
         with self._session.begin() as session:
+            known = session.scalars(same.limit(1)).first()
+            if known is not None:
+                return Stored(known.id, known.created_at, known.summary, content, was_known=True)
             session.add(
-                self._table(
+                table(
                     id=stored.id,
                     created_at=stored.created_at,
                     summary=dict(summary),
@@ -82,13 +91,27 @@ class Shelf(Generic[RowT]):
     def get(self, item_id: str) -> Stored:
         """One of them, with its content.
 
+        Parameters
+        ----------
+        item_id : str
+            Its id, or a name that no other has.
+
         Raises
         ------
         NotFoundError
-            If there is none of that id.
+            If there is none.
+        ConflictError
+            If several have that name.
         """
+        table, whole = self._table, [undefer(self._table.content)]
         with self._session() as session:
-            row = session.get(self._table, item_id, options=[undefer(self._table.content)])
+            row = session.get(table, item_id, options=whole)
+            if row is None:
+                named = select(table).where(table.summary["name"].as_string() == item_id)
+                rows = session.scalars(named.options(*whole).limit(2)).all()
+                if len(rows) > 1:
+                    raise self._ambiguous(item_id)
+                row = rows[0] if rows else None
         if row is None:
             raise self._missing()
         return Stored(row.id, row.created_at, row.summary, row.content)
@@ -113,7 +136,14 @@ class Shelf(Generic[RowT]):
 
     def _missing(self) -> NotFoundError:
         return NotFoundError(
-            f"there is no {self._word} of that id; the list of {self._word}s has them all"
+            f"there is no {self._word} of that id or name; the list of {self._word}s has them all"
+        )
+
+    def _ambiguous(self, name: str) -> ConflictError:
+        return ConflictError(
+            f"several {self._word}s are called {name!r}; name one by its id, as the list of "
+            f"{self._word}s has it, or rename them",
+            code="ambiguous_name",
         )
 
 
@@ -135,6 +165,7 @@ class Store:
     folder : DataFolder
     pads, cameras : Shelf
     traces : Traces
+    presets : Presets
     uploads : Uploads
     session : sessionmaker
         Of the database, for the flights in it.
@@ -166,6 +197,7 @@ class Store:
         self.traces = Traces(
             self.folder.traces, session, keep=keep_traces, keep_bytes=keep_trace_bytes
         )
+        self.presets = Presets(session)
         self.uploads = Uploads(self.folder.uploads, session, upload_limits)
 
     def close(self) -> None:

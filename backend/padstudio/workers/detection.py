@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,24 +16,32 @@ from padstudio.arrays import Image
 from padstudio.errors import ImageError
 from padstudio.geometry.camera import Camera
 from padstudio.media import images
+from padstudio.pad.identity import pad_id
 from padstudio.pad.spec import Channel, Pad
 from padstudio.vision.detector import Detector
-from padstudio.vision.overlays import stages as overlays
+from padstudio.vision.overlays.result import result_picture
+from padstudio.vision.overlays.stages import stage_picture
 from padstudio.vision.stage.detection import Detection, Method
 from padstudio.vision.stage.params import DetectorParams, PrepareParams, RefineParams
 from padstudio.vision.stage.trace import StageRecord, Trace
 
 METHODS: tuple[Method, ...] = get_args(Method)
 RESULT = "result"
+#: The picture itself, beside its trace.
+FRAME_FILE = "frame"
 RESULT_PICTURE = f"{RESULT}.png"
 THUMBNAIL_PREFIX = "small-"
-#: Pages show thumbnails smaller still.
-THUMBNAIL_WIDTH_PX = 480
+#: As wide as pages show them on fine screens.
+THUMBNAIL_WIDTH_PX = 320
+THUMBNAIL_SUFFIX = ".webp"
+#: Of pictures that are kept as they are, to be encoded when somebody looks.
+RAW_SUFFIX = ".npy"
 _THIN_STAGES = ("edges",)
 _ENCODING = {
     ".png": [cv2.IMWRITE_PNG_COMPRESSION, 1],
     ".webp": [cv2.IMWRITE_WEBP_QUALITY, 85],
 }
+_THUMBNAIL_QUALITY = [cv2.IMWRITE_WEBP_QUALITY, 70]
 
 
 @dataclass(frozen=True)
@@ -45,8 +54,10 @@ class Job:
         The picture's file.
     source : str
         Its name, for the record.
-    pad, camera : str
-        The content of a pad file and of a camera file.
+    pads : tuple of str
+        The content of pad files.
+    camera : str
+        The content of a camera file.
     method : {"dense", "paper"}
     max_pixels : int
         Limit on the picture.
@@ -56,17 +67,20 @@ class Job:
         The camera stood still.
     pictures : Path or None
         An empty folder for the stage pictures; None where no trace is wanted.
+    paint : bool
+        Paint the stages; who looks at them on the workbench needs none.
     """
 
     image: bytes
     source: str
-    pad: str
+    pads: tuple[str, ...]
     camera: str
     method: Method
     max_pixels: int
     unmix: bool = True
     at_rest: bool = False
     pictures: Path | None = None
+    paint: bool = True
 
 
 def analyze(job: Job) -> dict[str, Any]:
@@ -75,9 +89,10 @@ def analyze(job: Job) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``result`` (a line of a poses file), ``image`` (width, height), ``camera_scale``, and
-        ``stages``: None, or a list of name, channel, elapsed_ms, failure, and ``picture``, the
-        name of a file in the folder or None.
+        ``results`` (lines of a poses file, one for each pad that was found, or the failure),
+        ``pad_ids`` (identities of all pads, in their order), ``image`` (width, height),
+        ``camera_scale``, and ``stages``: None, or a list of name, channel, elapsed_ms, failure, and
+        ``picture``, the name of a file in the folder or None.
 
     Raises
     ------
@@ -85,17 +100,23 @@ def analyze(job: Job) -> dict[str, Any]:
         If the picture cannot be read.
     CameraMismatchError
         If it is not of the camera's aspect.
+    SpecError
+        As of `padstudio.vision.detector.check_pads`.
     """
     image = images.decode(job.image, job.max_pixels)
     height, width = image.shape[:2]
-    detector = _detector(job.pad, job.camera, job.method, (job.unmix, job.at_rest))
+    detector = _detector(job.pads, job.camera, job.method, (job.unmix, job.at_rest))
     camera = detector.camera.for_frame(width, height)
-    detection = detector.detect(image, trace=job.pictures is not None)
+    # Who wants to see every stage wants to know all that is wrong.
+    reasons = job.pictures is not None
+    found = detector.detect_all(image, trace=reasons and job.paint, reasons=reasons)
     stages = None
-    if job.pictures is not None and detection.trace is not None:
-        stages = paint(detection.trace, detection, job.pictures)
+    if job.pictures is not None:
+        trace = found[0].trace
+        stages = [] if trace is None else paint(trace, found, job.pictures)
     return {
-        "result": detection.to_record(job.source),
+        "results": [detection.to_record(job.source) for detection in found],
+        "pad_ids": [pad_id(pad) for pad in detector.pads],
         "image": {"width": width, "height": height},
         "camera_scale": camera.scale,
         "stages": stages,
@@ -104,27 +125,30 @@ def analyze(job: Job) -> dict[str, Any]:
 
 # The index of a large pad takes longer to build than a picture to read.
 @lru_cache(maxsize=4)
-def _detector(pad: str, camera: str, method: Method, switches: tuple[bool, bool]) -> Detector:
+def _detector(
+    pads: tuple[str, ...], camera: str, method: Method, switches: tuple[bool, bool]
+) -> Detector:
     unmix, at_rest = switches
     params = DetectorParams(
         prepare=PrepareParams(unmix=unmix), refine=RefineParams(at_rest=at_rest)
     )
-    return Detector(Pad.loads(pad), Camera.loads(camera), method=method, params=params)
+    known = [Pad.loads(pad) for pad in pads]
+    return Detector(known, Camera.loads(camera), method=method, params=params)
 
 
 def paint(
-    trace: Trace, detection: Detection, folder: Path, suffix: str = ".png"
+    trace: Trace, found: Sequence[Detection], folder: Path, suffix: str = ".png"
 ) -> list[dict[str, Any]]:
     """Paint the result and every stage, each with a thumbnail.
 
     Parameters
     ----------
     trace : Trace
-    detection : Detection
+    found : sequence of Detection
         The trace's.
     folder : Path
         Empty.
-    suffix : {".png", ".webp"}
+    suffix : {".png", ".webp", ".npy"}
 
     Returns
     -------
@@ -134,7 +158,7 @@ def paint(
     records = list(_last_runs(trace.records).values())
     # OpenCV lets go of the interpreter while it encodes.
     with ThreadPoolExecutor(2) as threads:
-        result = threads.submit(_save, folder, RESULT + suffix, trace, detection)
+        result = threads.submit(_save, folder, RESULT + suffix, trace, found)
         painted = threads.map(lambda record: _save_stage(folder, trace, record, suffix), records)
         stages = [
             {
@@ -168,7 +192,7 @@ def _failure(record: StageRecord) -> dict[str, str] | None:
 
 
 def _save_stage(folder: Path, trace: Trace, record: StageRecord, suffix: str) -> str | None:
-    picture = overlays.stage_picture(trace, record.name, record.channel)
+    picture = stage_picture(trace, record.name, record.channel)
     if picture is None:
         return None
     name = f"{record.channel}-{record.name}" if record.channel else record.name
@@ -177,12 +201,12 @@ def _save_stage(folder: Path, trace: Trace, record: StageRecord, suffix: str) ->
     return name
 
 
-def _save(folder: Path, name: str, trace: Trace, detection: Detection) -> None:
-    save_picture(folder, name, overlays.result_picture(trace, detection))
+def _save(folder: Path, name: str, trace: Trace, found: Sequence[Detection]) -> None:
+    save_picture(folder, name, result_picture(trace, found))
 
 
 def save_picture(folder: Path, name: str, picture: Image, *, is_thin: bool = False) -> None:
-    """Write a picture and its thumbnail, in the form that its name ends in.
+    """Write a picture in the form that its name ends in, and its thumbnail as WebP.
 
     Parameters
     ----------
@@ -197,7 +221,10 @@ def save_picture(folder: Path, name: str, picture: Image, *, is_thin: bool = Fal
         grey = picture[:, :, 0]
         if all(np.array_equal(grey, picture[:, :, plane]) for plane in (1, 2)):
             picture = np.ascontiguousarray(grey)
-    _encode(folder / name, picture)
+    if name.endswith(RAW_SUFFIX):
+        np.save(folder / name, picture)
+    else:
+        (folder / name).write_bytes(encoded(picture, Path(name).suffix))
     height, width = picture.shape[:2]
     if width > THUMBNAIL_WIDTH_PX:
         size = (THUMBNAIL_WIDTH_PX, max(1, round(height * THUMBNAIL_WIDTH_PX / width)))
@@ -206,11 +233,24 @@ def save_picture(folder: Path, name: str, picture: Image, *, is_thin: bool = Fal
             reach = 2 * -(-width // THUMBNAIL_WIDTH_PX)
             picture = np.asarray(cv2.dilate(picture, np.ones((reach, reach), np.uint8)), np.uint8)
         picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-    _encode(folder / (THUMBNAIL_PREFIX + name), picture)
+    small = encoded(picture, THUMBNAIL_SUFFIX, _THUMBNAIL_QUALITY)
+    (folder / thumbnail_of(name)).write_bytes(small)
 
 
-def _encode(path: Path, picture: Image) -> None:
-    done, data = cv2.imencode(path.suffix, picture, _ENCODING[path.suffix])
+def thumbnail_of(name: str) -> str:
+    """The file of a picture's thumbnail."""
+    return THUMBNAIL_PREFIX + Path(name).with_suffix(THUMBNAIL_SUFFIX).name
+
+
+def encoded(picture: Image, suffix: str, options: list[int] | None = None) -> bytes:
+    """A stage's picture as the bytes of a file.
+
+    Raises
+    ------
+    ImageError
+        If that cannot be.
+    """
+    done, data = cv2.imencode(suffix, picture, options or _ENCODING[suffix])
     if not done:
-        raise ImageError(f"a stage's picture could not be encoded as {path.suffix}")
-    path.write_bytes(data.tobytes())
+        raise ImageError(f"a stage's picture could not be encoded as {suffix}")
+    return data.tobytes()

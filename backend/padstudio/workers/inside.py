@@ -176,7 +176,10 @@ def _portable(error: StudioError) -> StudioError:
     """The error as its nearest class of `padstudio.errors`; others need not survive pickling."""
     for base in type(error).__mro__:
         if issubclass(base, StudioError) and base.__module__ == StudioError.__module__:
-            return base(error.message, code=error.error_code, detail=error.detail)
+            found = base(error.message, code=error.error_code, detail=error.detail)
+            # What its own class says goes with it.
+            vars(found).update(status=error.status, exit_code=error.exit_code)
+            return found
     raise AssertionError("every StudioError descends from padstudio.errors")
 
 

@@ -52,6 +52,32 @@ def generate(spec: Mapping[str, Any], budget_s: float) -> Design:
     return Design(pad.dumps(), summarize(pad), verify_pad(pad).to_dict())
 
 
+def resize(made: Design, name: str, cell_mm: float, quiet_mm: float) -> Design:
+    """The same code under another name and at another size, as `generate` would make it.
+
+    Parameters
+    ----------
+    made : Design
+    name : str
+    cell_mm : float
+        Side of the finest layer's cell.
+    quiet_mm : float
+    """
+    pad = Pad.loads(made.content)
+    finest = min(layer.cell_mm for layer in pad.layers)
+    layers = tuple(
+        replace(layer, cell_mm=round(layer.cell_mm / finest) * cell_mm) for layer in pad.layers
+    )
+    pad = replace(pad, layers=layers, quiet_mm=quiet_mm, name=name)
+    return Design(pad.dumps(), summarize(pad), made.verification)
+
+
+def rename(content: str, name: str) -> Design:
+    """A pad file under another name."""
+    pad = replace(Pad.loads(content), name=name)
+    return Design(pad.dumps(), summarize(pad))
+
+
 def verify_content(content: str) -> dict[str, Any]:
     """What holds for a pad file's layers, as `Design.verification`."""
     return verify_pad(Pad.loads(content)).to_dict()

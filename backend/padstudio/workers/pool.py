@@ -22,6 +22,8 @@ from padstudio.workers.process import Call, Process, TaskLostError
 ResultT = TypeVar("ResultT")
 # Between two tries to start a process for tasks.
 _START_AGAIN_S = 1.0
+# What a process may still have, of what requests were about.
+_HOMES = 2
 
 
 class WorkerPool:
@@ -48,7 +50,11 @@ class WorkerPool:
         self._is_closed = False
 
     def submit(
-        self, function: Callable[..., ResultT], *args: Any, timeout_s: float
+        self,
+        function: Callable[..., ResultT],
+        *args: Any,
+        timeout_s: float,
+        home: str | None = None,
     ) -> Future[ResultT]:
         """Call a function in a worker process, before tasks.
 
@@ -60,6 +66,9 @@ class WorkerPool:
             Picklable.
         timeout_s : float
             Time for the call itself, without the wait for a process.
+        home : str or None
+            What it is about: the process that was last called about it may have kept what it made,
+            and is asked again unless it is at another request.
 
         Returns
         -------
@@ -77,7 +86,7 @@ class WorkerPool:
                 "the server is busy with as many pictures and pads as it takes at a time; try "
                 "again in a moment"
             )
-        call = Call(function, args, timeout_s)
+        call = Call(function, args, timeout_s, home=home)
         call.future.add_done_callback(lambda _: self._room.release())
         self._add(self._requests, call)
         return call.future
@@ -136,7 +145,10 @@ class WorkerPool:
     def _drive_requests(self, worker: _Worker) -> None:
         def wanted() -> bool:
             others = any(other.is_free for other in self._workers)
-            return bool(self._requests) and (worker.is_free or not others)
+            return any(
+                self._is_for(worker, call) and (worker.is_free or not others or call.home)
+                for call in self._requests
+            )
 
         while self._wait_for(wanted):
             try:
@@ -148,8 +160,9 @@ class WorkerPool:
             call = None
             # Whoever died beside its task took no request with it.
             if is_ready or worker.task is None:
-                call = worker.request = self._next(self._requests)
+                call = worker.request = self._next(self._requests, worker)
             if call is not None:
+                worker.was_at(call.home)
                 deliver = call.run(process.answer)
                 self._done(worker, "request")
                 deliver()
@@ -176,13 +189,23 @@ class WorkerPool:
             self._changed.wait_for(lambda: self._is_closed or wanted())
             return not self._is_closed
 
-    def _next(self, calls: deque[Call]) -> Call | None:
+    def _next(self, calls: deque[Call], worker: _Worker | None = None) -> Call | None:
+        """The first call that waits; that waits for a worker, where one is given."""
         with self._changed:
-            while calls:
-                call = calls.popleft()
+            for call in list(calls):
+                if worker is not None and not self._is_for(worker, call):
+                    continue
+                calls.remove(call)
                 if call.future.set_running_or_notify_cancel():
                     return call
             return None
+
+    def _is_for(self, worker: _Worker, call: Call) -> bool:
+        """False where another worker has the call's home and will take it at once."""
+        homes = [
+            other for other in self._workers if call.home in other.homes and other.request is None
+        ]
+        return call.home is None or not homes or worker in homes
 
     def _done(self, worker: _Worker, what: Literal["request", "task"]) -> None:
         with self._changed:
@@ -200,6 +223,7 @@ class _Worker:
         self._is_closed = False
         self.request: Call | None = None
         self.task: Call | None = None
+        self.homes: deque[str] = deque(maxlen=_HOMES)
 
     @property
     def is_free(self) -> bool:
@@ -226,6 +250,13 @@ class _Worker:
             if self._is_closed:
                 self._process.end()
             return self._process
+
+    def was_at(self, home: str | None) -> None:
+        """Note what a request is about."""
+        if home is not None:
+            if home in self.homes:
+                self.homes.remove(home)
+            self.homes.append(home)
 
     def do_task(self, call: Call) -> Any:
         """What comes of a task."""

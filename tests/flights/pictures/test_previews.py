@@ -39,7 +39,7 @@ def _job(folder: Path, picture: np.ndarray) -> PictureJob:
     path = folder / "still.png"
     cv2.imwrite(str(path), picture)
     recipe = Recipe(PAD, CAMERA.to_ros_yaml())
-    return PictureJob(recipe, StillPart(str(path), path.name), "webp", folder, 10_000_000)
+    return PictureJob(recipe, StillPart(str(path), path.name), folder, 10_000_000)
 
 
 @pytest.mark.parametrize(("height_mm", "tilt_deg"), [(1000.0, 0.0), (700.0, 25.0)])

@@ -8,7 +8,7 @@ import flight_orders
 import pytest
 
 from padstudio.errors import SpecError
-from padstudio.flights.tasks.detectors import Recipe, detector_for, params_from
+from padstudio.flights.tasks.detectors import Recipe, detector_for, params_from, params_of_words
 from padstudio.vision.stage.params import DetectorParams
 
 
@@ -43,3 +43,21 @@ def test_a_detector_is_made_once_for_each_recipe() -> None:
     assert detector_for(recipe) is detector_for(Recipe(recipe.pad, recipe.camera))
     other = detector_for(Recipe(recipe.pad, recipe.camera, "paper", '{"log10_false_alarm": -9}'))
     assert (other.method, other.params.log10_false_alarm) == ("paper", -9.0)
+
+
+def test_parameters_of_words():
+    words = [
+        "search.least_step=0.4",
+        "refine.motion=off",
+        "log10_false_alarm=-8",
+        "refine.most_borders=500",
+    ]
+    params = params_from(params_of_words(words))
+    assert (params.search.least_step, params.refine.motion) == (0.4, False)
+    assert (params.log10_false_alarm, params.refine.most_borders) == (-8.0, 500)
+
+
+@pytest.mark.parametrize("word", ["search.least_step", "search.least_step=", "x=some", "=", ""])
+def test_words_that_set_nothing_are_refused(word):
+    with pytest.raises(SpecError, match="sets no parameter"):
+        params_of_words([word])

@@ -40,7 +40,7 @@ def task() -> FramesTask:
         max_frames=1000,
     ).run(lambda: False)
     part = video_part(plan.sources[0], plan.chunks[0].pts)
-    return FramesTask(recipe, 10, 2, part, MAX_PIXELS)
+    return FramesTask(recipe, range(10, 10 + 2 * FRAMES, 2), part, MAX_PIXELS)
 
 
 def reading_threads() -> int:

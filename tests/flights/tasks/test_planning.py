@@ -53,6 +53,22 @@ def test_ranges_and_strides(first: int, end: int | None, stride: int, video: Pat
     assert numbers(found, stride) == list(range(first, min(end or 100, 100), stride))
 
 
+@pytest.mark.parametrize("chosen", [[3], [0, 1, 2, 50, 51, 99], list(range(0, 100, 7)), [5, 200]])
+def test_chosen_frames_alone_are_worked_on(chosen: list[int], video: Path) -> None:
+    found = plan(video, only=np.array(chosen, "<i8").tobytes())
+    told = [np.frombuffer(chunk.numbers, "<i8").tolist() for chunk in found.chunks]
+    assert [number for some in told for number in some] == [n for n in chosen if n < 100]
+    whole = np.concatenate([np.frombuffer(chunk.pts, "<i8") for chunk in plan(video).chunks])
+    for chunk, some in zip(found.chunks, told, strict=True):
+        assert (chunk.first_frame, chunk.frames) == (some[0], len(some))
+        assert np.frombuffer(chunk.pts, "<i8").tolist() == whole[some].tolist()
+
+
+def test_chosen_frames_out_of_the_range_are_none(video: Path) -> None:
+    with pytest.raises(SpecError, match="no frame is left"):
+        plan(video, end_frame=10, only=np.array([20, 30], "<i8").tobytes())
+
+
 def test_chunks_are_shorter_where_frames_between_are_decoded_too(video: Path) -> None:
     found = plan(video, stride=5)
     assert [(chunk.first_frame, chunk.frames) for chunk in found.chunks] == [(0, 10), (50, 10)]

@@ -114,7 +114,7 @@ def test_labels_map_and_metadata(tmp_path: Path) -> None:
     words = pdf_text(data, tmp_path)
     last = plan.sheets[-1].name
     for sheet in plan.sheets:
-        assert f"{sheet.name} of {last}" in words
+        assert f"Sheet {sheet.name} of {last}" in words
     assert words.count(f"id {pad_id(pad)}") == len(plan.sheets) + 1
     assert "Hof 3 [helicopter]" in words
     assert f"Pages:           {len(plan.sheets) + 1}" in pdf_info(data, tmp_path)

@@ -13,7 +13,7 @@ from padstudio.errors import StudioError
 from padstudio.flights.exports.options import Record
 from padstudio.flights.results.frames import Results
 from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, VideoPart, read_still
-from padstudio.flights.tasks.from_rows import still_part, video_part
+from padstudio.flights.tasks.from_rows import numbers_of, still_part, video_part
 from padstudio.geometry.camera import Camera
 from padstudio.media import images
 from padstudio.media.video_frames import read_frames
@@ -84,15 +84,16 @@ class FlightPictures:
 
     def _fetch(self, number: int) -> dict[int, bytes | None]:
         chunk = self._results.chunk_of(self._flight, number)
-        stride = self._flight.request["stride"]
         if not chunk.pts:
             part: StillPart | VideoPart = still_part(self._flight.sources, number)
             return {number: self._run(jpegs, part, self._max_pixels)[0]}
-        start = (number - chunk.first_frame) // stride * BYTES_OF_TIMESTAMP
+        numbers = numbers_of(self._flight, chunk)
+        place = numbers.index(number)
+        start = place * BYTES_OF_TIMESTAMP
         pts = chunk.pts[start : start + _BLOCK_FRAMES * BYTES_OF_TIMESTAMP]
         part = video_part(self._flight.sources[chunk.source], pts)
         found = self._run(jpegs, part, self._max_pixels)
-        return {number + place * stride: data for place, data in enumerate(found)}
+        return dict(zip(numbers[place:], found, strict=False))
 
 
 def still_size(part: StillPart, max_pixels: int) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -16,11 +16,13 @@ from padstudio.flights.results.height_fit import choose_samples, compare_heights
 from padstudio.flights.results.rows import select_rows
 from padstudio.geometry.pose import rotation_from_quaternion
 from padstudio.media.telemetry import height_at
-from padstudio.store.database.flight_tables import FlightRow, FrameRow
+from padstudio.store.database.flight_tables import FlightRow, FrameDetailRow, FrameRow
+from padstudio.vision.stage.trace import STAGES
 
 #: Outcomes of a column of the timeline, in the order of its lists: the layer of a pose, but
 #: ``bearing`` where only range and bearing can be used.
 OUTCOMES = ("red", "green", "blue", "outline", "failed", "bearing")
+_CHANNELS = ("red", "green", "blue")
 
 
 class FigureRows:
@@ -55,7 +57,8 @@ class FigureRows:
             hold a hundred frames or more, they begin and end at hundreds), and
             ``columns``: each ``column``, ``first_frame``, ``last_frame``, ``time_s``,
             ``z_min_mm``, ``z_max_mm`` (None without a pose), ``outcomes`` (frames, as
-            `OUTCOMES`), ``stages`` (failing stage: frames). Columns without frames are left out.
+            `OUTCOMES`), ``stages`` (failing stage: frames), ``failed_at`` (the same by channel;
+            empty in columns of a hundred frames or more). Columns without frames are left out.
         """
 
         def find_out() -> dict[str, Any]:
@@ -79,12 +82,15 @@ class FigureRows:
         Returns
         -------
         dict
-            ``trajectory``: columns ``frame``, ``time_s``, ``x_mm``, ``y_mm``, ``z_mm`` and
-            ``quality``, None where a frame has no pose. ``samples``: ``number`` (from 1),
-            ``frame``, and where there is a pose its ``quality``, ``position_mm`` and ``axis``, the
-            unit vector along which the camera looks. ``heights``, of poses that are not of quality
-            ``bearing``: None without telemetry of heights, else ``telemetry_m``,
-            ``pose_mm``, ``frame`` and ``fit`` (`HeightComparison`, or None).
+            ``trajectory``: columns ``frame``, ``time_s``, ``x_mm``, ``y_mm``, ``z_mm``,
+            ``quality``, ``heading_deg``, ``tilt_deg``, ``position_sigma_mm`` and
+            ``attitude_sigma_deg`` (of the three the largest), ``cells_read``, ``cells_wrong``, None
+            where a frame has no pose; ``total_ms`` and the time of each stage, as ``edges_ms``.
+            ``samples``: ``number`` (from 1), ``frame``, and where there is a pose its ``quality``,
+            ``position_mm`` and ``axis``, the unit vector along which the camera looks.
+            ``heights``, of poses that are not of quality ``bearing``: None without telemetry of
+            heights, else ``telemetry_m``, ``pose_mm``, ``frame`` and ``fit`` (`HeightComparison`,
+            or None).
         """
 
         def find_out() -> dict[str, Any]:
@@ -119,12 +125,47 @@ def _timeline(
         width = -(-(stop - start + 1) // columns)
         width = -(-width // grid.width) * grid.width
         rows = _bins_by_column(read_bins(session, flight, start, stop), start, width)
+        return _answer(start, stop, width, _merged(rows))
+    columns_ = _merged(rows)
+    _add_channels(session, flight.key, (start, stop, width), columns_)
+    return _answer(start, stop, width, columns_)
+
+
+def _answer(start: int, stop: int, width: int, columns: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "first_frame": start,
         "last_frame": stop,
         "frames_per_column": width,
-        "columns": _merged(rows),
+        "columns": columns,
     }
+
+
+def _add_channels(
+    session: Session, flight: int, part: tuple[int, int, int], columns: list[dict[str, Any]]
+) -> None:
+    """Say of each column at which stage each channel failed, in frames."""
+    start, stop, width = part
+    column = ((FrameRow.number - start) // width).label("column")
+    stages = [FrameDetailRow.body["failed_at"][name].as_string() for name in _CHANNELS]
+    found = session.execute(
+        select(column, *stages, func.count())
+        .join(
+            FrameDetailRow,
+            (FrameDetailRow.flight == FrameRow.flight) & (FrameDetailRow.number == FrameRow.number),
+        )
+        .where(
+            FrameRow.flight == flight,
+            FrameRow.status == "failed",
+            FrameRow.number.between(start, stop),
+        )
+        .group_by(column, *stages)
+    )
+    by_column = {entry["column"]: entry["failed_at"] for entry in columns}
+    for place, *named, count in found:
+        for name, stage in zip(_CHANNELS, named, strict=True):
+            if stage is not None:
+                counts = by_column[int(place)].setdefault(name, {})
+                counts[stage] = counts.get(stage, 0) + count
 
 
 def _rows_by_column(
@@ -194,6 +235,7 @@ def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
                 "z_max_mm": None,
                 "outcomes": [0] * len(OUTCOMES),
                 "stages": {},
+                "failed_at": {},
             },
         )
         entry["outcomes"][OUTCOMES.index(outcome if outcome in OUTCOMES else "failed")] += count
@@ -222,11 +264,38 @@ def _trajectory(session: Session, flight: FlightRow, points: int) -> dict[str, l
     numbers = range(ends[0], ends[1] + 1, every)
     position = (FrameRow.x_mm, FrameRow.y_mm, FrameRow.z_mm)
     rows = session.execute(
-        select(FrameRow.number, FrameRow.time_s, *position, FrameRow.quality)
+        select(FrameRow.number, FrameRow.time_s, *position, FrameRow.quality, FrameDetailRow.body)
+        .join(
+            FrameDetailRow,
+            (FrameDetailRow.flight == FrameRow.flight) & (FrameDetailRow.number == FrameRow.number),
+        )
         .where(FrameRow.flight == flight.key, FrameRow.number.in_(numbers))
         .order_by(FrameRow.number)
     ).all()
-    return {name: [row[place] for row in rows] for place, name in enumerate(names)}
+    shown = [tuple(row) for row in rows]
+    # Lines break where frames are not read yet.
+    blank = (None,) * (len(names) - 1)
+    for place in range(len(shown) - 1, 0, -1):
+        if shown[place][0] != shown[place - 1][0] + every:
+            shown.insert(place, (shown[place - 1][0] + every, *blank, {}))
+    columns = {name: [row[place] for row in shown] for place, name in enumerate(names)}
+    return columns | _details([row[-1] for row in shown])
+
+
+def _details(bodies: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Attitude, sigmas, cells and times of frames, None where a frame has none."""
+    columns: dict[str, list[Any]] = {
+        name: [body.get(name) for body in bodies]
+        for name in ("heading_deg", "tilt_deg", "cells_read", "cells_wrong")
+    }
+    for name in ("position_sigma_mm", "attitude_sigma_deg"):
+        # Of the three that is largest.
+        columns[name] = [max(body[name]) if body.get(name) else None for body in bodies]
+    times = [body.get("elapsed_ms", {}) for body in bodies]
+    stages = [stage for stage in STAGES if any(stage in each for each in times)]
+    for stage in ("total", *stages):
+        columns[f"{stage}_ms"] = [each.get(stage) for each in times]
+    return columns
 
 
 def _samples(session: Session, flight: FlightRow, count: int) -> list[dict[str, Any]]:

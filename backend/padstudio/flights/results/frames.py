@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session, sessionmaker, undefer
 
 from padstudio.errors import NotFoundError
 from padstudio.flights.results.rows import Record, record_of, select_rows
+from padstudio.flights.tasks.from_rows import numbers_of
 from padstudio.store.database.flight_tables import ChunkRow, FlightRow, FrameRow
 
 # Held in memory at a time, a few megabytes.
@@ -131,6 +132,28 @@ class Results:
             yield from page
             after = page[-1]["frame"]
 
+    def sample(self, flight: FlightRow, status: str, most: int) -> list[int]:
+        """Numbers of frames of a status that were read, at most so many, evenly taken."""
+        wanted = select(FrameRow.number).where(
+            FrameRow.flight == flight.key,
+            FrameRow.status == status,
+            FrameRow.stage.is_distinct_from("read"),
+        )
+        with self._session() as session:
+            numbers = session.scalars(wanted.order_by(FrameRow.number)).all()
+        if len(numbers) <= most:
+            return list(numbers)
+        return [numbers[round((k + 0.5) * len(numbers) / most - 0.5)] for k in range(most)]
+
+    def failed(self, flight: FlightRow, reason: str | None) -> list[int]:
+        """The numbers of the frames without a pose, rising; those of one reason, or all."""
+        wanted = [FrameRow.flight == flight.key, FrameRow.status == "failed"]
+        if reason is not None:
+            wanted.append(FrameRow.reason == reason)
+        with self._session() as session:
+            numbers = select(FrameRow.number).where(*wanted).order_by(FrameRow.number)
+            return list(session.scalars(numbers))
+
     def chunk_of(self, flight: FlightRow, number: int) -> ChunkRow:
         """The chunk that a frame belongs to, with its timestamps.
 
@@ -139,8 +162,6 @@ class Results:
         NotFoundError
             If the flight does not have that frame, or was not told to read it.
         """
-        stride = flight.request["stride"]
-        last = ChunkRow.first_frame + (ChunkRow.frames - 1) * stride
         with self._session() as session:
             chunk = session.scalar(
                 select(ChunkRow)
@@ -148,11 +169,12 @@ class Results:
                     ChunkRow.flight == flight.key,
                     ChunkRow.number > 0,
                     ChunkRow.first_frame <= number,
-                    last >= number,
                 )
-                .options(undefer(ChunkRow.pts))
+                .order_by(ChunkRow.first_frame.desc())
+                .limit(1)
+                .options(undefer(ChunkRow.pts), undefer(ChunkRow.numbers))
             )
-        if chunk is None or (number - chunk.first_frame) % stride:
+        if chunk is None or number not in numbers_of(flight, chunk):
             raise NotFoundError(f"this flight does not read frame {number}", code="no_such_frame")
         return chunk
 

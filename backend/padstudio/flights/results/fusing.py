@@ -15,6 +15,7 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.flights.results.completed import completed
 from padstudio.geometry.pose import Pose, rotation_from_quaternion
+from padstudio.vision.fusion.by_pad import by_pad
 from padstudio.vision.fusion.measurement import Fused, Measurement
 from padstudio.vision.fusion.pose_filter import PoseFilter
 from padstudio.vision.fusion.smoother import fuse
@@ -40,7 +41,8 @@ def fused_records(records: Iterable[Record], fusion: Fusion) -> Iterator[Record]
     """Records with fused poses, in their order.
 
     Stills have no times and stay as they are, as do poses without ``covariance``. Each source is
-    fused by itself. What was fused before is fused anew from the frames' own poses.
+    fused by itself, and in it each pad. What was fused before is fused anew from the frames' own
+    poses.
 
     Parameters
     ----------
@@ -52,9 +54,9 @@ def fused_records(records: Iterable[Record], fusion: Fusion) -> Iterator[Record]
         yield from map(single_record, records)
         return
     for _, some in groupby(records, key=lambda record: record["source"]):
-        singles = map(single_record, some)
-        for record, fused in fuse(singles, _measure, PoseFilter(), smooth=fusion == "smooth"):
-            yield record if fused is None else _with_pose(record, fused, fusion)
+        for run in by_pad(map(single_record, some), lambda record: record.get("pad_id")):
+            for record, fused in fuse(run, _measure, PoseFilter(), smooth=fusion == "smooth"):
+                yield record if fused is None else _with_pose(record, fused, fusion)
 
 
 def single_record(record: Record) -> Record:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from sqlalchemy import select
@@ -66,9 +66,31 @@ def _qualities(bins: Sequence[Any], ok: int) -> dict[str, int]:
 
 
 def _longest_gap(session: Session, flight: FlightRow, bins: Sequence[Any]) -> dict[str, Any] | None:
-    """The longest run of frames without a pose, and the seconds between the poses around it."""
-    if not bins:
+    """The longest run of frames without a pose, and the seconds between the poses around it.
+
+    Frames that are not read yet are no gap, nor do gaps reach over them.
+    """
+    if flight.request.get("only"):
+        # What lies between frames that were chosen is not known.
         return None
+    stride = flight.request["stride"]
+    gaps = [_gap_in(session, flight, part) for part in _unbroken(bins, stride)]
+    return max(filter(None, gaps), key=lambda gap: int(gap["frames"]), default=None)
+
+
+def _unbroken(bins: Sequence[Any], stride: int) -> Iterator[list[Any]]:
+    """The bins in parts between which frames are missing."""
+    part: list[Any] = []
+    for row in bins:
+        if part and row.first_frame != part[-1].last_frame + stride:
+            yield part
+            part = []
+        part.append(row)
+    if part:
+        yield part
+
+
+def _gap_in(session: Session, flight: FlightRow, bins: Sequence[Any]) -> dict[str, Any] | None:
     stride = flight.request["stride"]
     ends = bins[0].first_frame, bins[-1].last_frame
     # Poses thought of just before the first frame and just after the last one.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Any, TypeVar
@@ -30,7 +30,7 @@ class Recipe:
     params : str
         JSON object as `params_from` takes.
     others : tuple of str
-        The content of more pad files: of pads that stills may show as well, or instead.
+        The content of more pad files: of pads that frames may show as well, or instead.
     """
 
     pad: str
@@ -66,6 +66,40 @@ def params_from(values: Mapping[str, Any]) -> DetectorParams:
         If a name is unknown, or a value of the wrong kind or out of range.
     """
     return _changed(DetectorParams(), values, "")
+
+
+def params_of_words(words: Iterable[str]) -> dict[str, Any]:
+    """Nested names and values, as `params_from` takes them, of words such as ``refine.motion=off``.
+
+    Raises
+    ------
+    SpecError
+        If one is no name and value.
+    """
+    nested: dict[str, Any] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        value = _VALUES.get(text.lower())
+        if value is None:
+            try:
+                value = float(text)
+            except ValueError:
+                value = None
+        if not equals or value is None:
+            raise SpecError(
+                f"{word!r} sets no parameter; write NAME=VALUE, as search.least_step=0.4 or "
+                "refine.motion=off",
+                code="invalid_parameter",
+            )
+        *groups, own = name.split(".")
+        place = nested
+        for group in groups:
+            place = place.setdefault(group, {})
+        place[own] = value
+    return nested
+
+
+_VALUES: dict[str, Any] = {"on": True, "true": True, "off": False, "false": False}
 
 
 def _changed(params: ParamsT, values: Mapping[str, Any], place: str) -> ParamsT:

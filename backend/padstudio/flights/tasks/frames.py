@@ -9,8 +9,8 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
@@ -19,6 +19,7 @@ import numpy as np
 from padstudio.arrays import Image, YuvFrame
 from padstudio.errors import ImageError, StudioError, TaskStoppedError
 from padstudio.flights.tasks.detectors import Recipe, detector_for
+from padstudio.flights.tasks.proxies import ProxyTarget, ProxyWriter
 from padstudio.media import images
 from padstudio.media.read_ahead import ReadAhead
 from padstudio.media.remote import read_bytes
@@ -72,6 +73,18 @@ class VideoPart:
         """The presentation timestamps."""
         return [int(value) for value in np.frombuffer(self.pts, "<i8")]
 
+    def time_of(self, pts: int) -> float:
+        """Time of a frame in the flight, s."""
+        return self.start_s + (pts - self.start_pts) * self.time_base_s
+
+    def between(self, first: int, end: int) -> VideoPart:
+        """The frames at these places."""
+        return replace(self, pts=self.pts[first * BYTES_OF_TIMESTAMP : end * BYTES_OF_TIMESTAMP])
+
+    def last(self, count: int) -> VideoPart:
+        """The last frames."""
+        return replace(self, pts=self.pts[-count * BYTES_OF_TIMESTAMP :])
+
     def read(self, max_pixels: int) -> Generator[VideoPicture]:
         """As `padstudio.media.video_frames.read_frames`."""
         return read_frames(
@@ -108,17 +121,19 @@ class FramesTask:
     ----------
     recipe : Recipe
         Pad, camera and how to detect.
-    first_frame, stride : int
-        The frames' numbers in the flight are ``first_frame``, ``first_frame + stride``, …
+    numbers : sequence of int
+        The frames' numbers in the flight.
     part : VideoPart or tuple of StillPart
     max_pixels : int
+    proxies : ProxyTarget or None
+        Where small pictures of the frames are kept on the way.
     """
 
     recipe: Recipe
-    first_frame: int
-    stride: int
+    numbers: Sequence[int]
     part: VideoPart | tuple[StillPart, ...]
     max_pixels: int
+    proxies: ProxyTarget | None = None
 
     def run(self, stopped: Callable[[], bool]) -> list[Record]:
         """Lines of a poses file, with ``covariance`` where there is a pose.
@@ -148,35 +163,43 @@ class FramesTask:
                 raise TaskStoppedError
 
         detector = detector_for(self.recipe)
-        found = (
-            self._video(detector, self.part, look)
-            if isinstance(self.part, VideoPart)
-            else self._stills(detector, self.part)
-        )
+        with ProxyWriter(self.proxies) as proxies:
+            found = (
+                self._video(detector, self.part, proxies, look)
+                if isinstance(self.part, VideoPart)
+                else self._stills(detector, self.part, proxies)
+            )
+            yield from self._numbered(found, look)
+
+    def _numbered(self, found: Generator[Record], look: Callable[[], None]) -> Iterator[Record]:
         with contextlib.closing(found) as records:
-            for place, record in enumerate(records):
+            for number, record in zip(self.numbers, records, strict=False):
                 look()
-                yield record | {"frame": self.first_frame + place * self.stride}
+                yield record | {"frame": number}
 
     def _video(
-        self, detector: Detector, part: VideoPart, look: Callable[[], None]
+        self, detector: Detector, part: VideoPart, proxies: ProxyWriter, look: Callable[[], None]
     ) -> Generator[Record]:
         """Decode in one thread and detect in another, this one, which alone calls `look`."""
         decoded = ReadAhead(part.read(self.max_pixels), _AHEAD, look)
         with contextlib.closing(decoded) as pictures:
-            for picture, found in _track(detector, pictures):
-                record = found if isinstance(found, dict) else _record(found, part.name)
-                time_s = part.start_s + (picture.pts - part.start_pts) * part.time_base_s
-                record |= {"source": part.name, "time_s": time_s}
+            kept = proxies.beside(pictures, iter(self.numbers), part.time_of)
+            for picture, found in _track(detector, kept):
+                record = found if isinstance(found, dict) else with_covariance(found, part.name)
+                record |= {"source": part.name, "time_s": part.time_of(picture.pts)}
                 if picture.is_damaged:
                     record["damaged"] = True
                 yield record
 
-    def _stills(self, detector: Detector, parts: tuple[StillPart, ...]) -> Generator[Record]:
-        for part in parts:
+    def _stills(
+        self, detector: Detector, parts: tuple[StillPart, ...], proxies: ProxyWriter
+    ) -> Generator[Record]:
+        for number, part in zip(self.numbers, parts, strict=True):
             try:
                 image = read_still(part, self.max_pixels)
-                record = _record(detector.detect(image), part.name)
+                proxies.add(number, None, image)
+                _load_loops(detector, image)
+                record = with_covariance(detector.detect(image), part.name)
             except StudioError as error:
                 record = unread_record(error)
             except Exception as error:
@@ -184,17 +207,43 @@ class FramesTask:
             yield record | {"source": part.name}
 
 
+def _load_loops(detector: Detector, frame: Image | YuvFrame) -> None:
+    """Read a process' first frame once more, before: its compiled loops are loaded on the way.
+
+    Loading takes several times as long as reading, and would stand in the frame's time.
+    """
+    if detector.method in _loaded:
+        return
+    _loaded.add(detector.method)
+    # What is wrong with the frame comes to light when it counts.
+    with contextlib.suppress(Exception):
+        detector.detect(frame)
+
+
+_loaded: set[str] = set()
+
+
 def read_still(part: StillPart, max_pixels: int) -> Image:
     """Decode a still of a flight; raises as `padstudio.media.images.decode`."""
+    return images.decode(still_bytes(part), max_pixels)
+
+
+def still_bytes(part: StillPart) -> bytes:
+    """The file of a still of a flight.
+
+    Raises
+    ------
+    ImageError
+        If it is too large, or damaged where it lies in a zip.
+    """
     if part.member is None:
         data = read_bytes(part.url, images.MAX_BYTES)
         if len(data) > images.MAX_BYTES:
             raise ImageError(f"{part.name} is larger than {images.MAX_BYTES // 1_000_000} MB")
-    else:
-        from padstudio.media.zip_stills import read_member
+        return data
+    from padstudio.media.zip_stills import read_member
 
-        data = read_member(part.url, part.member)
-    return images.decode(data, max_pixels)
+    return read_member(part.url, part.member)
 
 
 def _track(
@@ -209,6 +258,7 @@ def _track(
             waiting.append(VideoPicture(picture.pts, None, picture.is_damaged))
             if frame is not None:
                 readable.append(picture.pts)
+                _load_loops(detector, frame)
                 yield frame
 
     readable: deque[int] = deque()
@@ -251,7 +301,8 @@ _LOST: Record = {
 }
 
 
-def _record(detection: Detection, source: str) -> Record:
+def with_covariance(detection: Detection, source: str) -> Record:
+    """A line of a poses file, with ``covariance`` (upper triangle by rows) of a pose."""
     record = detection.to_record(source)
     if detection.uncertainty is not None:
         upper = np.triu_indices(6)

@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from padstudio.errors import NotFoundError
 from padstudio.flights.tasks.detectors import Recipe
 from padstudio.flights.tasks.frames import FramesTask, StillPart, VideoPart
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
+from padstudio.flights.tasks.proxies import ProxyTarget
 
 if TYPE_CHECKING:
     from padstudio.store.database.flight_tables import ChunkRow, FlightRow
@@ -41,6 +44,7 @@ def plan_task(
     uploads: Sequence[tuple[str, str, str, Path]],
     place: Callable[[Path], str],
     limits: WorkLimits,
+    only: bytes | None = None,
 ) -> PlanTask:
     """The task that plans a flight.
 
@@ -52,6 +56,8 @@ def plan_task(
     place : callable
         Brings a file where workers reach it and gives its URL.
     limits : WorkLimits
+    only : bytes or None
+        As of `PlanTask`.
     """
     request = flight.request
     return PlanTask(
@@ -66,26 +72,39 @@ def plan_task(
         apply_rotation=request["apply_rotation"],
         max_pixels=limits.max_pixels,
         max_frames=limits.max_frames,
+        only=only,
     )
 
 
-def frames_task(flight: FlightRow, chunk: ChunkRow, limits: WorkLimits) -> FramesTask:
+def frames_task(
+    flight: FlightRow, chunk: ChunkRow, limits: WorkLimits, proxies: ProxyTarget | None = None
+) -> FramesTask:
     """The task of a chunk; flight with pad and camera, chunk with its timestamps."""
+    numbers, part = numbers_of(flight, chunk), part_of(flight, chunk)
+    return FramesTask(recipe_of(flight), numbers, part, limits.max_pixels, proxies)
+
+
+def numbers_of(flight: FlightRow, chunk: ChunkRow) -> Sequence[int]:
+    """The numbers of a chunk's frames; the chunk is loaded with them."""
+    if chunk.numbers:
+        return tuple(np.frombuffer(chunk.numbers, "<i8").tolist())
     stride = flight.request["stride"]
-    part: VideoPart | tuple[StillPart, ...]
+    return range(chunk.first_frame, chunk.first_frame + chunk.frames * stride, stride)
+
+
+def part_of(flight: FlightRow, chunk: ChunkRow) -> VideoPart | tuple[StillPart, ...]:
+    """The frames of a chunk, which is loaded with its timestamps."""
     if chunk.pts:
-        part = video_part(flight.sources[chunk.source], chunk.pts)
-    else:
-        numbers = range(chunk.first_frame, chunk.first_frame + chunk.frames * stride, stride)
-        part = tuple(still_part(flight.sources, number) for number in numbers)
-    return FramesTask(recipe_of(flight), chunk.first_frame, stride, part, limits.max_pixels)
+        return video_part(flight.sources[chunk.source], chunk.pts)
+    return tuple(still_part(flight.sources, number) for number in numbers_of(flight, chunk))
 
 
 def recipe_of(flight: FlightRow) -> Recipe:
-    """How a flight's frames are detected; flight with pad and camera."""
+    """How a flight's frames are detected; flight with pads and camera."""
     request = flight.request
     params = json.dumps(request["params"], sort_keys=True)
-    return Recipe(flight.pad, flight.camera, request["method"], params)
+    others = tuple(flight.other_pads or ())
+    return Recipe(flight.pad, flight.camera, request["method"], params, others)
 
 
 def video_part(source: Mapping[str, Any], pts: bytes) -> VideoPart:

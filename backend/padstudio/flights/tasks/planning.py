@@ -41,6 +41,7 @@ class ChunkPlan:
     first_frame: int
     frames: int
     pts: bytes = b""
+    numbers: bytes = b""
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,8 @@ class PlanTask:
     apply_rotation : bool
         Turn videos as their rotation flag says, unless the camera only fits them as stored.
     max_pixels, max_frames : int
+    only : bytes or None
+        Numbers of frames, int64 little-endian, rising: no others are worked on.
     """
 
     files: tuple[SourceFile, ...]
@@ -90,6 +93,7 @@ class PlanTask:
     apply_rotation: bool
     max_pixels: int
     max_frames: int
+    only: bytes | None = None
 
     def run(self, stopped: Callable[[], bool]) -> Plan:
         """Read the index of every file.
@@ -180,6 +184,8 @@ class PlanTask:
         video_size = min(size, max(_LEAST_STRIDED_FRAMES, size // self.stride))
         end = total if self.end_frame is None else min(self.end_frame, total)
         wanted = np.arange(self.first_frame, max(end, self.first_frame), self.stride)
+        if self.only is not None:
+            wanted = np.intersect1d(wanted, np.frombuffer(self.only, "<i8"))
         stills: list[int] = []
         for place, source in enumerate(sources):
             first = source["first_frame"]
@@ -190,11 +196,15 @@ class PlanTask:
             keyframes, left = indices[place].keyframes, int((wanted >= first).sum())
             for numbers in _by_keyframe(mine - first, keyframes, video_size, left):
                 pts = indices[place].pts[numbers].astype("<i8").tobytes()
-                yield ChunkPlan(place, int(numbers[0]) + first, len(numbers), pts)
+                yield self._chunk(place, numbers + first, pts)
         # Stills take longer than frames of a video, which are tracked.
         size = max(1, size // 4)
         for at in range(0, len(stills), size):
-            yield ChunkPlan(0, stills[at], len(stills[at : at + size]))
+            yield self._chunk(0, np.array(stills[at : at + size]))
+
+    def _chunk(self, source: int, numbers: NDArray[np.int64], pts: bytes = b"") -> ChunkPlan:
+        told = b"" if self.only is None else numbers.astype("<i8").tobytes()
+        return ChunkPlan(source, int(numbers[0]), len(numbers), pts, told)
 
 
 def _by_keyframe(

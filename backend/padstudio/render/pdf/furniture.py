@@ -31,7 +31,7 @@ def draw_furniture(pen: Pen, pad: Pad, plan: SheetPlan, sheet: Sheet, *, qr: boo
         x += _QR_MM + 1.0
     right = plan.paper.width_mm - margin
     _draw_up_arrow(pen, right - 3.0, margin + 1.0)
-    words = [f"{sheet.name} of {plan.sheets[-1].name}"] if len(plan.sheets) > 1 else []
+    words = [f"Sheet {sheet.name} of {plan.sheets[-1].name}"] if len(plan.sheets) > 1 else []
     words += [f"row {sheet.row + 1}, column {sheet.col + 1}"] if len(plan.sheets) > 1 else []
     words += [pad.name, f"id {pad_id(pad)}"]
     pen.text(x, margin + 4.0, "  ·  ".join(words), 3.4, width=right - 8.0 - x)

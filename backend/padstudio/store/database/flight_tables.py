@@ -14,6 +14,7 @@ from sqlalchemy import (
     LargeBinary,
     String,
     Text,
+    text,
 )
 from sqlalchemy.orm import Mapped, mapped_column
 
@@ -49,6 +50,8 @@ class FlightRow(Base):
     #: The flight that this one runs again with other parameters.
     rerun_of: Mapped[str | None] = mapped_column(String(32), index=True)
     pad: Mapped[str] = mapped_column(Text, deferred=True)
+    #: The content of more pad files; None in flights of older programs.
+    other_pads: Mapped[list[str] | None] = mapped_column(JSON, deferred=True)
     camera: Mapped[str] = mapped_column(Text, deferred=True)
     telemetry: Mapped[dict[str, Any] | None] = mapped_column(JSON, deferred=True)
 
@@ -87,6 +90,8 @@ class ChunkRow(Base):
     first_frame: Mapped[int] = mapped_column(Integer, default=0)
     #: Frames worked on: numbers ``first_frame``, ``first_frame + stride``, …
     frames: Mapped[int] = mapped_column(Integer, default=0)
+    #: Their numbers, int64 little-endian, where they do not follow each other so.
+    numbers: Mapped[bytes] = mapped_column(LargeBinary, server_default=text("''"), deferred=True)
     #: Their presentation timestamps, int64 little-endian; empty for stills.
     pts: Mapped[bytes] = mapped_column(LargeBinary, default=b"", deferred=True)
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON)
@@ -158,3 +163,5 @@ class FrameBinRow(Base):
 
 
 OPEN = ("queued", "running")
+#: What frames are detected by.
+RECIPE = (FlightRow.pad, FlightRow.other_pads, FlightRow.camera)

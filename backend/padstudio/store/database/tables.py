@@ -58,6 +58,17 @@ class TraceRow(Base):
     body: Mapped[dict[str, Any]] = mapped_column(JSON)
 
 
+class PresetRow(Base):
+    """Named settings of the detector."""
+
+    __tablename__ = "presets"
+
+    name: Mapped[str] = mapped_column(String(60), primary_key=True)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    method: Mapped[str] = mapped_column(String(10))
+    params: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
 class UploadRow(Base):
     """An upload; its bytes are in ``uploads/partial/<id>``, or ``uploads/files/<sha256>``.
 
