@@ -246,6 +246,10 @@ def test_several_pads_give_a_line_each(two_pads):
     # Each pose is in its own pad's frame, so a trajectory of one pad does not hold them.
     assert "pad_id" in run("export", poses, "--form", "csv").stdout.splitlines()[0]
     assert_one_line_error(run("export", poses, "--form", "tum"), "several_pads")
+    chosen = run("export", poses, "--form", "tum", "--pad-id", ids[1]).stdout
+    assert len([line for line in chosen.splitlines() if not line.startswith("#")]) == 1
+    unknown = run("export", poses, "--form", "tum", "--pad-id", "NOSUCHPD")
+    assert_one_line_error(unknown, "unknown_pad")
 
 
 def test_pads_that_cannot_be_told_apart_leave_no_file(tmp_path):
@@ -253,14 +257,6 @@ def test_pads_that_cannot_be_told_apart_leave_no_file(tmp_path):
     arguments = ("--pad", SAMPLES / "pad.json", SAMPLES / "height_450mm.jpg", "-o", poses)
     assert_one_line_error(detect(*arguments), "pads_alike")
     assert not poses.exists()
-
-
-def test_a_video_is_followed_by_one_pad(two_pads, monkeypatch):
-    folder, _ = two_pads
-    monkeypatch.setattr(batch, "is_video", lambda path: True)
-    result = detect("--pad", folder / "other.json", folder / "both.png", "-o", folder / "p.jsonl")
-    assert_one_line_error(result, "several_pads")
-    assert not (folder / "p.jsonl").exists()
 
 
 def test_two_processes_give_what_one_gives():

@@ -25,7 +25,12 @@ from padstudio.cli.support import (
 from padstudio.flights import batch
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
-from padstudio.flights.tasks.detectors import Recipe, detector_for
+from padstudio.flights.tasks.detectors import (
+    Recipe,
+    detector_for,
+    params_from,
+    params_of_words,
+)
 from padstudio.geometry.presets import load_camera
 from padstudio.media.sources import find_frames
 from padstudio.pad.spec import Pad
@@ -64,6 +69,14 @@ Unmix = Annotated[
     bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
 ]
 AtRest = Annotated[bool, typer.Option("--at-rest", help="The camera stood still, as on a tripod.")]
+Param = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--param",
+        metavar="NAME=VALUE",
+        help="A detector parameter, as search.least_step=0.4; again for more.",
+    ),
+]
 Jobs = Annotated[
     int,
     typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
@@ -96,6 +109,7 @@ def detect(
     method: MethodName = "dense",
     unmix: Unmix = True,
     at_rest: AtRest = False,
+    param: Param = None,
     jobs: Jobs = 0,
     stride: Stride = 1,
     apply_rotation: Rotation = True,
@@ -118,7 +132,12 @@ def detect(
     if not os.environ.get("PADSTUDIO_DEBUG"):
         # A defect is one line like other errors; its traceback is for who looks for it.
         logging.getLogger("padstudio").setLevel(logging.CRITICAL)
-    settings = {"prepare": {"unmix": unmix}, "refine": {"at_rest": at_rest}}
+    settings = params_of_words(param or [])
+    if not unmix:
+        settings.setdefault("prepare", {})["unmix"] = False
+    if at_rest:
+        settings.setdefault("refine", {})["at_rest"] = True
+    params_from(settings)
     recipe = _recipe(pad, camera, method, settings)
     fusion = _fusion(fuse, smooth)
     paths = find_frames(frames)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,10 +11,10 @@ import numpy as np
 import typer
 
 from padstudio.cli.support import check_output, note
-from padstudio.errors import SpecError
 from padstudio.flights.exports import forms
 from padstudio.flights.exports.forms import FULL_POSES_ONLY
 from padstudio.flights.exports.options import ExportOptions
+from padstudio.flights.exports.pads import check_pad, of_pad
 from padstudio.flights.exports.sources import FilePictures
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
 from padstudio.flights.results.poses_file import read_poses
@@ -28,8 +27,6 @@ _EXAMPLES = (
     "-o flight.mcap[/]"
 )
 
-# Forms that say which pad a pose is of.
-_ANY_PADS = ("csv", "jsonl")
 _LEFT_OUT = ("quality bearing", "unknown quality")
 
 PosesFile = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
@@ -44,6 +41,9 @@ CameraName = Annotated[
 ]
 PadFile = Annotated[
     Path | None, typer.Option(help="Pad file; its size is drawn in mcap and said in MAVLink.")
+]
+PadId = Annotated[
+    str | None, typer.Option(help="Of poses of several pads, those of this one (see pad_id).")
 ]
 Images = Annotated[
     bool, typer.Option("--images", help="Put the frames into mcap; sources must be there.")
@@ -72,6 +72,7 @@ def export(
     output: Output = "-",
     camera: CameraName = None,
     pad: PadFile = None,
+    pad_id: PadId = None,
     images: Images = False,
     start_unix_s: Start = 0.0,
     vehicle: Vehicle = None,
@@ -91,9 +92,10 @@ def export(
         vehicle=None if vehicle is None else _track(vehicle),
     )
     # Read once in advance, so that a fault in the last line leaves no file behind.
-    _check_pads(form, read_poses(poses))
-    qualities = Counter(_quality(record) for record in read_poses(poses))
-    blocks = forms.export(form, read_poses(poses), options)
+    pads = {record["pad_id"] for record in read_poses(poses) if "pad_id" in record}
+    check_pad(form, pads, pad_id)
+    qualities = Counter(_quality(record) for record in of_pad(read_poses(poses), pad_id))
+    blocks = forms.export(form, of_pad(read_poses(poses), pad_id), options)
     if output == "-":
         for block in blocks:
             sys.stdout.buffer.write(block)
@@ -113,17 +115,6 @@ def _say_left_out(form: str, qualities: Counter[str]) -> None:
         if count:
             poses = f"1 pose of {quality} is" if count == 1 else f"{count} poses of {quality} are"
             note(f"{poses} left out, as {form} holds full poses only")
-
-
-def _check_pads(form: str, records: Iterable[dict[str, Any]]) -> None:
-    """Refuse poses of several pads, each in its own frame, where a form holds one trajectory."""
-    pads = {record["pad_id"] for record in records if "pad_id" in record}
-    if len(pads) > 1 and form not in _ANY_PADS:
-        raise SpecError(
-            f"the file holds poses of {len(pads)} pads ({', '.join(sorted(pads))}), and {form} "
-            "holds those of one; select one by its pad_id, for instance with jq",
-            code="several_pads",
-        )
 
 
 def _quality(record: dict[str, Any]) -> str:

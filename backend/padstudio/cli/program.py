@@ -28,6 +28,12 @@ COMMANDS = {
     "camera do.",
     "detect": "Find the pad in frames and write their poses, one JSON object a line.",
     "cameras": "List the nominal cameras that --camera takes in place of a file.",
+    "readout": "Estimate how long a camera's shutter rolls, from a clip in which it shakes.",
+    "calibrate": "Calibrate a camera: intrinsics and lens, from a dozen pictures of a pad or a "
+    "short clip.",
+    "compare": "Say which frames a second run won, lost and read otherwise.",
+    "bundle": "Bundle a frame with all that its result rests on, in one zip.",
+    "replay": "Read a bundle's frame again, and say what is otherwise.",
     "export": "Write a poses file in the form of another program.",
     "simulate": "Simulate flights over a pad: pictures as a real camera takes them, and the true "
     "poses.",
@@ -37,7 +43,15 @@ COMMANDS = {
     "serve": "Serve the studio's pages and its REST interface until Ctrl-C.",
     "worker": "Work on flights for a cluster's scheduler until it ends, or Ctrl-C.",
 }
-_IN_PADS = ("generate", "verify", "measure", "crosstalk")
+_FOLDERS = {
+    command: folder
+    for folder, commands in {
+        "pads.": ("generate", "verify", "measure", "crosstalk"),
+        "cameras.": ("cameras", "readout", "calibrate"),
+        "bundles.": ("bundle", "replay"),
+    }.items()
+    for command in commands
+}
 _MARKUP: Final = "rich"
 
 
@@ -59,8 +73,7 @@ def load(name: str) -> Any:
     alone = typer.Typer(
         rich_markup_mode=_MARKUP, add_completion=False, pretty_exceptions_enable=False
     )
-    folder = "padstudio.cli.pads" if name in _IN_PADS else "padstudio.cli"
-    import_module(f"{folder}.{name}").register(alone)
+    import_module(f"padstudio.cli.{_FOLDERS.get(name, '')}{name}").register(alone)
     if not gc.isenabled():
         gc.freeze()
         gc.enable()

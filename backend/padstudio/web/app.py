@@ -16,19 +16,25 @@ from padstudio.media.zip_stills import ZipLimits
 from padstudio.store.store import Store
 from padstudio.store.uploads.limits import UploadLimits
 from padstudio.web.api import (
+    calibrations,
     cameras,
     coverage,
     detect,
-    exports,
-    flight_figures,
-    flight_pictures,
-    flights,
     pads,
     printing,
-    samples,
-    simulations,
     uploads,
 )
+from padstudio.web.api.flights import (
+    comparisons,
+    exports,
+    figures,
+    flights,
+    pictures,
+    proxies,
+    samples,
+    simulations,
+)
+from padstudio.web.api.tuning import bundles, looks, presets, sweeps
 from padstudio.web.http import errors
 from padstudio.web.http.security import Guard
 from padstudio.web.pages import pages
@@ -50,8 +56,9 @@ _DESCRIPTION = (
 
 #: In the order of the API's description.
 _RESOURCES = (
-    *(pads, cameras, detect, samples, uploads, printing, coverage),
-    *(flights, flight_figures, flight_pictures, exports, simulations),
+    *(pads, cameras, calibrations, detect, samples, uploads, printing, coverage),
+    *(flights, figures, comparisons, pictures, proxies, exports, simulations),
+    *(looks, presets, sweeps, bundles),
 )
 _health = APIRouter(tags=["server"])
 
@@ -127,6 +134,8 @@ async def _serving(settings: Settings, analyze: Analyze, app: FastAPI) -> AsyncI
     finally:
         expiry.cancel()
         await services.simulations.close()
+        await services.calibrations.close()
+        await services.sweeps.close()
         await run_in_threadpool(service.close)
         pool.close()
         store.close()

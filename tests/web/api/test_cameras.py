@@ -52,6 +52,21 @@ def test_import_list_get_file_delete(studio: httpx.Client, refused: Refused) -> 
     refused(studio.get(f"{CAMERAS}/{made['id']}"), 404, "not_found")
 
 
+def test_how_long_a_shutter_rolls_can_be_said(studio: httpx.Client, refused: Refused) -> None:
+    made = _import(studio, CALIBRATION).json()
+    address = f"{CAMERAS}/{made['id']}/readout"
+    told = studio.put(address, json={"readout_ms": 18.5}).json()
+    assert told == made | {"readout_ms": 18.5} == studio.get(f"{CAMERAS}/{made['id']}").json()
+    file = studio.get(f"{CAMERAS}/{made['id']}/files/camera.yaml").content
+    assert Camera.loads(file).readout_ms == 18.5
+    assert studio.put(address, json={"readout_ms": None}).json()["readout_ms"] is None
+    copy = studio.put(f"{CAMERAS}/{PRESET}/readout", json={"readout_ms": 0}).json()
+    assert (copy["id"] != PRESET, copy["readout_ms"], copy["nominal"]) == (True, 0.0, True)
+    assert studio.get(f"{CAMERAS}/{PRESET}").json()["readout_ms"] != 0.0
+    for wrong in ({"readout_ms": -1}, {"readout_ms": 2000}, {}):
+        refused(studio.put(address, json=wrong), 422, "invalid_request")
+
+
 def test_a_name_can_be_given(studio: httpx.Client) -> None:
     answer = studio.post(CAMERAS, files={"file": ("x.yaml", CALIBRATION)}, data={"name": " Bay 2 "})
     assert answer.json()["name"] == "Bay 2"

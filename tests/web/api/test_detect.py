@@ -60,6 +60,20 @@ def test_answer_without_a_trace(studio: httpx.Client, pad_id: str, picture: byte
     assert body["trace"] is None
 
 
+def test_several_pads_are_named(
+    studio: httpx.Client, pad_id: str, picture: bytes, refused: Refused
+) -> None:
+    other = store_pad(studio)["id"]
+    files = {"image": ("frame.png", picture)}
+    data = {"pad": [pad_id, other], "camera": PRESET}
+    body = studio.post(DETECT, files=files, data=data).raise_for_status().json()
+    assert [pad["id"] for pad in body["pads"]] == [pad_id, other]
+    assert all(len(pad["pad_id"]) == 8 for pad in body["pads"])
+    assert body["results"] == [body["result"]]
+    data = {"pad": [pad_id, "0" * 16], "camera": PRESET}
+    refused(studio.post(DETECT, files=files, data=data), 404, "not_found")
+
+
 def test_trace_can_be_read_again_with_its_pictures(
     studio: httpx.Client, pad_id: str, picture: bytes, refused: Refused
 ) -> None:
@@ -69,14 +83,15 @@ def test_trace_can_be_read_again_with_its_pictures(
     edges, choose = trace["stages"]
     assert (edges["name"], edges["channel"]) == ("edges", "red")
     assert (choose["picture"], choose["thumbnail"]) == (None, None)
-    sizes = []
+    sizes, forms = [], []
     for url in (trace["result_picture"], edges["picture"], edges["thumbnail"]):
         answer = studio.get(url).raise_for_status()
-        assert answer.headers["content-type"] == "image/png"
+        forms.append(answer.headers["content-type"])
         assert "immutable" in answer.headers["cache-control"]
         assert "private" in answer.headers["cache-control"]
         sizes.append(cv2.imdecode(np.frombuffer(answer.content, np.uint8), -1).shape[1])
     assert sizes == [1280, 1280, 320]
+    assert forms == ["image/png", "image/png", "image/webp"]
     pictures = f"{DETECT}/{trace['id']}/pictures"
     refused(studio.get(f"{pictures}/blue-edges.png"), 404, "not_found")
     refused(studio.get(f"{pictures}/..%2f..%2f..%2fpadstudio.db"), 404, "not_found")
@@ -129,7 +144,7 @@ def test_a_picture_that_holds_less_than_it_states(
 def test_a_camera_of_another_size(studio: httpx.Client, pad_id: str, refused: Refused) -> None:
     square = cv2.imencode(".png", np.zeros((300, 300, 3), np.uint8))[1].tobytes()
     error = refused(_send(studio, pad_id, square), 422, "camera_size_mismatch")
-    assert error["detail"] == {"frame": [300, 300], "camera": [1280, 720]}
+    assert error["detail"] == {"frame": [300, 300], "camera": [1280, 720], "turned": False}
 
 
 def test_what_is_named_must_be_there(

@@ -86,7 +86,8 @@ def test_create_list_get_delete(studio: httpx.Client, refused: Refused) -> None:
 
 
 def test_list_pages(studio: httpx.Client) -> None:
-    ids = [studio.post(PADS, json=SMALL_SPEC).json()["id"] for _ in range(3)]
+    specs = [{**SMALL_SPEC, "name": f"page {number}"} for number in range(3)]
+    ids = [studio.post(PADS, json=spec).json()["id"] for spec in specs]
     pages = [studio.get(PADS, params={"limit": 2, "offset": offset}).json() for offset in (0, 2)]
     assert [item["id"] for item in pages[0]["items"]] == ids[:0:-1]
     assert pages[1]["items"][0]["id"] == ids[0]

@@ -7,7 +7,7 @@ import re
 import httpx
 import pytest
 
-PAGES_WITH_CHARTS = ("/plan", "/flights/0123456789abcdef")
+PAGES_WITH_CHARTS = ("/design", "/plan", "/flights/0123456789abcdef")
 
 
 def _script_url(studio: httpx.Client, path: str) -> str:
@@ -36,7 +36,7 @@ def test_only_pages_with_charts_allow_their_style_sheets_and_none_allows_others(
     studio: httpx.Client,
 ) -> None:
     empty = base64.b64encode(hashlib.sha256(b"").digest()).decode()
-    without = ("/flights", "/design", "/diagnose")
+    without = ("/", "/flights", "/diagnose")
     for path in (*without, *PAGES_WITH_CHARTS):
         allows = path in PAGES_WITH_CHARTS
         policy = studio.get(path).headers["content-security-policy"]

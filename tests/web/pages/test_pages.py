@@ -65,9 +65,11 @@ def test_the_policy_allows_no_inline_script_and_no_other_host(studio: httpx.Clie
     assert headers["referrer-policy"] == "same-origin"
 
 
-def test_the_root_leads_to_design(studio: httpx.Client) -> None:
+def test_the_root_is_home(studio: httpx.Client) -> None:
     answer = studio.get("/")
-    assert (answer.status_code, answer.headers["location"]) == (307, "/design")
+    assert answer.status_code == 200
+    for kind in ("flights", "pads", "cameras"):
+        assert f'id="{kind}"' in answer.text
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,9 @@
-"""Cameras: presets, import, list, get, delete, file."""
+"""Cameras: presets, import, list, get, rename, delete, file."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile
@@ -10,9 +11,21 @@ from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 from padstudio.errors import ConflictError
 from padstudio.geometry import presets
 from padstudio.geometry.camera import MAX_READOUT_MS, Camera
-from padstudio.store.store import Store
-from padstudio.web.schemas.base import CameraList, CameraSummary
-from padstudio.web.server.services import ERRORS, ItemId, Shared, attachment, check_size
+from padstudio.store.store import Store, Stored
+from padstudio.web.schemas.base import CameraList, CameraReadout, CameraSummary, NewName
+from padstudio.web.server.services import (
+    A_WHILE,
+    ERRORS,
+    KNOWN,
+    PICTURE,
+    ItemId,
+    Services,
+    Shared,
+    attachment,
+    check_size,
+    tell_known,
+)
+from padstudio.workers import thumbnails
 
 router = APIRouter(prefix="/cameras", tags=["cameras"], responses=ERRORS)
 
@@ -35,7 +48,7 @@ _YAML_EXAMPLE: dict[int | str, dict[str, Any]] = {
 )
 def list_presets() -> CameraList:
     items = [
-        CameraSummary(id=preset.id, **_describe(preset.camera, preset.note))
+        CameraSummary(id=preset.id, **describe_camera(preset.camera, preset.note))
         for preset in presets.PRESETS.values()
     ]
     return CameraList(items=items, total=len(items))
@@ -48,18 +61,23 @@ def list_cameras(
     offset: Annotated[int, Query(ge=0, le=2**31)] = 0,
 ) -> CameraList:
     stored, total = shared.store.cameras.list(limit, offset)
-    items = [CameraSummary(id=item.id, **item.summary) for item in stored]
+    items = [_summary(item) for item in stored]
     return CameraList(items=items, total=total)
 
 
 @router.post(
-    "", operation_id="importCamera", summary="Store a camera's calibration", status_code=201
+    "",
+    operation_id="importCamera",
+    summary="Store a camera's calibration",
+    status_code=201,
+    responses=KNOWN,
 )
 def import_camera(
     file: Annotated[
         UploadFile, File(description="ROS, OpenCV, Kalibr or PhotonVision calibration.")
     ],
     shared: Shared,
+    response: Response,
     name: Annotated[
         str | None, Form(max_length=200, description="Instead of the file's own name.")
     ] = None,
@@ -78,26 +96,60 @@ def import_camera(
         camera = replace(camera, name=name.strip())
     if readout_ms is not None:
         camera = replace(camera, readout_ms=readout_ms)
-    summary = _describe(camera, "")
-    stored = shared.store.cameras.add(camera.to_ros_yaml(), summary)
-    return CameraSummary(id=stored.id, **summary)
+    return store_camera(shared, camera, response)
 
 
 @router.get("/{camera_id}", operation_id="getCamera", summary="A stored or preset camera")
 def get_camera(camera_id: ItemId, shared: Shared) -> CameraSummary:
     preset = presets.PRESETS.get(camera_id)
     if preset is not None:
-        return CameraSummary(id=preset.id, **_describe(preset.camera, preset.note))
+        return CameraSummary(id=preset.id, **describe_camera(preset.camera, preset.note))
+    return _summary(shared.store.cameras.get(camera_id))
+
+
+@router.patch("/{camera_id}", operation_id="renameCamera", summary="Call a camera otherwise")
+def rename_camera(camera_id: ItemId, new: NewName, shared: Shared) -> CameraSummary:
+    _refuse_preset(camera_id, "renamed")
     stored = shared.store.cameras.get(camera_id)
-    return CameraSummary(id=stored.id, **stored.summary)
+    camera = replace(Camera.loads(stored.content or ""), name=new.name.strip())
+    summary = {**stored.summary, "name": camera.name}
+    return _summary(shared.store.cameras.replace(camera_id, camera.to_ros_yaml(), summary))
+
+
+@router.get(
+    "/{camera_id}/thumbnail.png",
+    operation_id="getCameraThumbnail",
+    summary="A small picture of a square grid as a camera shows it",
+    response_class=Response,
+    responses=PICTURE,
+)
+def get_camera_thumbnail(camera_id: ItemId, shared: Shared) -> Response:
+    data = thumbnails.of_camera(camera_text(shared.store, camera_id))
+    return Response(data, media_type="image/png", headers=A_WHILE)
+
+
+@router.put(
+    "/{camera_id}/readout",
+    operation_id="setCameraReadout",
+    summary="Say how long a camera's shutter rolls; of a preset, a copy is stored",
+)
+def set_camera_readout(camera_id: ItemId, given: CameraReadout, shared: Shared) -> CameraSummary:
+    cameras = shared.store.cameras
+    camera = Camera.loads(camera_text(shared.store, camera_id))
+    camera = replace(camera, readout_ms=given.readout_ms)
+    summary = describe_camera(camera, "")
+    if camera_id in presets.PRESETS:
+        stored = cameras.add(camera.to_ros_yaml(), summary)
+    else:
+        stored = cameras.replace(camera_id, camera.to_ros_yaml(), summary)
+    return _summary(stored)
 
 
 @router.delete(
     "/{camera_id}", operation_id="deleteCamera", summary="Remove a camera", status_code=204
 )
 def delete_camera(camera_id: ItemId, shared: Shared) -> None:
-    if camera_id in presets.PRESETS:
-        raise ConflictError("presets belong to the program and cannot be removed")
+    _refuse_preset(camera_id, "removed")
     shared.store.cameras.delete(camera_id)
 
 
@@ -114,26 +166,44 @@ def get_camera_file(camera_id: ItemId, shared: Shared) -> Response:
     return Response(content, media_type=_YAML, headers=attachment(name, ".yaml"))
 
 
-def camera_text(store: Store, camera_id: str) -> str:
-    """The camera file of a stored or preset camera.
+def store_camera(shared: Services, camera: Camera, response: Response) -> CameraSummary:
+    """Store a camera, and answer 200 where it was stored already."""
+    stored = shared.store.cameras.add(camera.to_ros_yaml(), describe_camera(camera, ""))
+    tell_known(stored, response)
+    return _summary(stored)
+
+
+def _summary(stored: Stored) -> CameraSummary:
+    return CameraSummary(id=stored.id, created_at=stored.created_at, **stored.summary)
+
+
+def _refuse_preset(camera_id: str, done: str) -> None:
+    if camera_id in presets.PRESETS:
+        raise ConflictError(f"presets belong to the program and cannot be {done}")
+
+
+def camera_text(store: Store, camera: str) -> str:
+    """The camera file of a stored or preset camera; raises as `find_camera`."""
+    return find_camera(store, camera).content or ""
+
+
+def find_camera(store: Store, camera: str) -> Stored:
+    """A stored or preset camera by its id, or by a name that no other has.
 
     Raises
     ------
     NotFoundError
-        If there is none of that id.
+        If there is none.
+    ConflictError
+        If several stored ones have that name.
     """
-    preset = presets.PRESETS.get(camera_id)
-    if preset is not None:
-        return preset.camera.to_ros_yaml()
-    return store.cameras.get(camera_id).content or ""
-
-
-def camera_name(store: Store, camera_id: str) -> str:
-    """The name of a stored or preset camera; raises as `camera_text`."""
-    preset = presets.PRESETS.get(camera_id)
-    if preset is not None:
-        return preset.camera.name
-    return str(store.cameras.get(camera_id).summary.get("name", ""))
+    preset = presets.PRESETS.get(camera) or next(
+        (each for each in presets.PRESETS.values() if each.camera.name == camera), None
+    )
+    if preset is None:
+        return store.cameras.get(camera)
+    summary = describe_camera(preset.camera, preset.note)
+    return Stored(preset.id, datetime.now(UTC), summary, preset.camera.to_ros_yaml())
 
 
 def file_name(file: UploadFile, default: str) -> str:
@@ -142,7 +212,8 @@ def file_name(file: UploadFile, default: str) -> str:
     return "".join(c for c in name if c.isprintable())[:200] or default
 
 
-def _describe(camera: Camera, note: str) -> dict[str, Any]:
+def describe_camera(camera: Camera, note: str) -> dict[str, Any]:
+    """What lists show of a camera."""
     return {
         "name": camera.name,
         "width": camera.width,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated
 
 from fastapi import APIRouter, Query
@@ -28,6 +29,7 @@ from padstudio.web.schemas.planning import (
     MethodCoverage,
     SpanInfo,
     SuccessMapInfo,
+    ViewInfo,
 )
 from padstudio.web.server.services import ERRORS, ItemId, Shared
 from padstudio.workers import frames as simulating
@@ -42,7 +44,7 @@ router = APIRouter(tags=["coverage"], responses=ERRORS)
 )
 def get_pad_coverage(
     pad_id: ItemId,
-    camera: Annotated[str, Query(max_length=64, examples=["preset-dji-mini-27k"])],
+    camera: Annotated[str, Query(max_length=200, examples=["preset-dji-mini-27k"])],
     shared: Shared,
     tilt_deg: Annotated[
         list[float], Query(min_length=1, max_length=200, description="May be given repeatedly.")
@@ -128,7 +130,7 @@ def _chart(pad: Pad, camera: str, tilts_deg: list[float], store: Store) -> Cover
         )
         for method, limits in METHOD_LIMITS.items()
     ]
-    return CoverageChart(camera=camera, methods=methods)
+    return CoverageChart(camera=camera, view=ViewInfo(**asdict(view)), methods=methods)
 
 
 def _span(span: Span) -> SpanInfo:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, File, Form, Query, UploadFile
 from fastapi import Path as PathParameter
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
+from pydantic import Field
 
 from padstudio.store.database.data_folder import remove
 from padstudio.store.store import new_id
 from padstudio.web.api.cameras import camera_text, file_name
-from padstudio.web.schemas.base import DetectionAnswer
+from padstudio.web.schemas.base import MAX_PADS, DetectionAnswer
+from padstudio.web.schemas.bundles import KeptAnswer
 from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, check_size
 from padstudio.workers import detection
 
@@ -27,7 +28,11 @@ _PICTURE: dict[int | str, dict[str, Any]] = {
             "image/png": {
                 "schema": {"type": "string", "format": "binary"},
                 "example": "(the bytes of a PNG file)",
-            }
+            },
+            "image/webp": {
+                "schema": {"type": "string", "format": "binary"},
+                "example": "(the bytes of a WebP file, for thumbnails)",
+            },
         },
     }
 }
@@ -39,15 +44,25 @@ _FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
 class Wanted:
     """The form's fields beside the picture: with what it is read, and how."""
 
-    pad: Annotated[str, Form(max_length=64, description="Id of a stored pad.")]
-    camera: Annotated[str, Form(max_length=64, description="Id of a camera or preset.")]
+    pad: Annotated[
+        list[Annotated[str, Field(max_length=200)]],
+        Form(
+            min_length=1,
+            max_length=MAX_PADS,
+            description="Id or name of a stored pad; again for more pads that may be in view.",
+        ),
+    ]
+    camera: Annotated[str, Form(max_length=200, description="Id or name of a camera.")]
     method: Annotated[Literal["dense", "paper"], Form()] = "dense"
     unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True
     at_rest: Annotated[bool, Form(description="The camera stood still, as on a tripod.")] = False
-    trace: Annotated[bool, Form(description="Keep every stage, with pictures.")] = False
+    trace: Annotated[bool, Form(description="Keep the picture, and what came of it.")] = False
+    paint: Annotated[
+        bool, Form(description="With pictures of every stage; POST /looks shows them without.")
+    ] = True
 
 
-@router.post("", operation_id="detectImage", summary="Find the pad in one picture")
+@router.post("", operation_id="detectImage", summary="Find pads in one picture")
 async def detect_image(
     shared: Shared,
     image: Annotated[UploadFile, File(description="JPEG, PNG, WebP, TIFF or BMP.")],
@@ -55,30 +70,43 @@ async def detect_image(
 ) -> DetectionAnswer:
     settings, store = shared.settings, shared.store
     check_size(image.size, settings.max_upload_bytes, "picture")
-    stored_pad = await run_in_threadpool(store.pads.get, wanted.pad)
+    pads = [await run_in_threadpool(store.pads.get, pad) for pad in wanted.pad]
     folder = await run_in_threadpool(store.folder.work_folder) if wanted.trace else None
     try:
         job = detection.Job(
             image=await image.read(),
             source=file_name(image, "picture"),
-            pad=stored_pad.content or "",
+            pads=tuple(pad.content or "" for pad in pads),
             camera=await run_in_threadpool(camera_text, store, wanted.camera),
             method=wanted.method,
             max_pixels=settings.max_image_pixels,
             unmix=wanted.unmix,
             at_rest=wanted.at_rest,
             pictures=folder,
+            paint=wanted.paint,
         )
         answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)
-        return await run_in_threadpool(_keep, shared, answer, folder)
+        named = zip(pads, answer.pop("pad_ids"), strict=True)
+        answer["pads"] = [
+            {"id": pad.id, "name": pad.summary.get("name", ""), "pad_id": printed}
+            for pad, printed in named
+        ]
+        answer["result"] = answer["results"][0]
+        return await run_in_threadpool(_keep, shared, answer, job)
     finally:
         if folder is not None:
             remove(folder)
 
 
-@router.get("/{trace_id}", operation_id="getDetection", summary="A kept answer again")
-def get_detection(trace_id: ItemId, shared: Shared) -> DetectionAnswer:
-    return DetectionAnswer.model_validate(shared.store.traces.body(trace_id))
+@router.get(
+    "/{trace_id}",
+    operation_id="getDetection",
+    summary="A kept answer again",
+    # As it was: without a bundle where there was none.
+    response_model_exclude_unset=True,
+)
+def get_detection(trace_id: ItemId, shared: Shared) -> KeptAnswer:
+    return KeptAnswer.model_validate(shared.store.traces.body(trace_id))
 
 
 @router.get(
@@ -100,16 +128,17 @@ def get_detection_picture(
     ] = None,
 ) -> FileResponse:
     if width is not None and width <= detection.THUMBNAIL_WIDTH_PX:
-        name = detection.THUMBNAIL_PREFIX + name
+        name = detection.thumbnail_of(name)
     path = shared.store.traces.picture(trace_id, name)
-    return FileResponse(path, media_type="image/png", headers=_FOREVER)
+    return FileResponse(path, media_type=f"image/{path.suffix[1:]}", headers=_FOREVER)
 
 
-def _keep(shared: Services, answer: dict[str, Any], folder: Path | None) -> DetectionAnswer:
-    """The answer with the addresses of its pictures; stored where there are any."""
-    stages = answer.pop("stages")
+def _keep(shared: Services, answer: dict[str, Any], job: detection.Job) -> DetectionAnswer:
+    """The answer with the addresses of its pictures; stored with the picture where wanted."""
+    stages, folder = answer.pop("stages"), job.pictures
     if folder is None or stages is None:
         return DetectionAnswer(**answer, trace=None)
+    (folder / detection.FRAME_FILE).write_bytes(job.image)
     trace_id = new_id()
     base = f"/api/v1/detect/{trace_id}/pictures/"
     for stage in stages:
@@ -118,7 +147,7 @@ def _keep(shared: Services, answer: dict[str, Any], folder: Path | None) -> Dete
         stage["thumbnail"] = _thumbnail(base + name) if name else None
     trace = {
         "id": trace_id,
-        "result_picture": base + detection.RESULT_PICTURE,
+        "result_picture": base + detection.RESULT_PICTURE if stages else None,
         "stages": stages,
     }
     kept = DetectionAnswer.model_validate({**answer, "trace": trace})

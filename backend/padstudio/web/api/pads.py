@@ -1,4 +1,4 @@
-"""Pads: preview, create, import, list, get, verify, delete."""
+"""Pads: preview, create, import, list, get, rename, verify, delete."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from padstudio.pad.spec import MAX_CELLS
 from padstudio.store.store import Stored
 from padstudio.web.api.cameras import file_name
 from padstudio.web.schemas.base import (
+    NewName,
     PadDetail,
     PadList,
     PadPreview,
@@ -26,8 +27,19 @@ from padstudio.web.schemas.base import (
     PadVerification,
 )
 from padstudio.web.schemas.pads import PadBounds, table_sizes
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, check_size
+from padstudio.web.server.services import (
+    A_WHILE,
+    ERRORS,
+    KNOWN,
+    PICTURE,
+    ItemId,
+    Services,
+    Shared,
+    check_size,
+    tell_known,
+)
 from padstudio.workers import pads as design
+from padstudio.workers import thumbnails
 
 router = APIRouter(prefix="/pads", tags=["pads"], responses=ERRORS)
 
@@ -46,10 +58,16 @@ async def preview_pad(spec: PadSpec, shared: Shared) -> Response:
     return _with_content({"verification": made.verification}, made.content)
 
 
-@router.post("", operation_id="createPad", summary="Generate and store a pad", status_code=201)
-async def create_pad(spec: PadSpec, shared: Shared) -> PadSummary:
+@router.post(
+    "",
+    operation_id="createPad",
+    summary="Generate and store a pad",
+    status_code=201,
+    responses=KNOWN,
+)
+async def create_pad(spec: PadSpec, shared: Shared, response: Response) -> PadSummary:
     made = await _generate(spec, shared)
-    return await _store(made, shared)
+    return await _store(made, shared, response)
 
 
 @router.post(
@@ -64,6 +82,7 @@ def get_pad_bounds(spec: PadSpec) -> PadBounds:
     operation_id="importPad",
     summary="Store a pad file, or a table or picture of a field",
     status_code=201,
+    responses=KNOWN,
 )
 async def import_pad(
     file: Annotated[
@@ -72,6 +91,7 @@ async def import_pad(
     ],
     shared: Shared,
     sizes: Annotated[design.TableSizes, Depends(table_sizes)],
+    response: Response,
 ) -> PadSummary:
     check_size(file.size, shared.settings.max_upload_bytes, "file")
     path = PurePosixPath(file_name(file, "pad"))
@@ -82,7 +102,7 @@ async def import_pad(
         budget_s,
         timeout_s=budget_s + _GRACE_S,
     )
-    return await _store(made, shared)
+    return await _store(made, shared, response)
 
 
 @router.get("", operation_id="listPads", summary="The stored pads, newest first")
@@ -118,6 +138,33 @@ async def verify_pad(pad_id: ItemId, shared: Shared) -> PadVerification:
     return PadVerification(verification=found)
 
 
+@router.patch("/{pad_id}", operation_id="renamePad", summary="Call a pad otherwise")
+async def rename_pad(pad_id: ItemId, new: NewName, shared: Shared) -> PadSummary:
+    stored = await run_in_threadpool(shared.store.pads.get, pad_id)
+    made = await shared.run(
+        design.rename,
+        *(stored.content or "", new.name.strip()),
+        timeout_s=shared.settings.generate_seconds,
+    )
+    replace_pad = shared.store.pads.replace
+    return pad_summary(await run_in_threadpool(replace_pad, pad_id, made.content, made.summary))
+
+
+@router.get(
+    "/{pad_id}/thumbnail.png",
+    operation_id="getPadThumbnail",
+    summary="A small picture of a pad, as it is printed",
+    response_class=Response,
+    responses=PICTURE,
+)
+async def get_pad_thumbnail(pad_id: ItemId, shared: Shared) -> Response:
+    stored = await run_in_threadpool(shared.store.pads.get, pad_id)
+    data = await shared.run(
+        thumbnails.of_pad, stored.content or "", timeout_s=shared.settings.generate_seconds
+    )
+    return Response(data, media_type="image/png", headers=A_WHILE)
+
+
 @router.delete("/{pad_id}", operation_id="deletePad", summary="Remove a pad", status_code=204)
 def delete_pad(pad_id: ItemId, shared: Shared) -> None:
     shared.store.pads.delete(pad_id)
@@ -135,10 +182,16 @@ async def _generate(spec: PadSpec, shared: Services) -> design.Design:
             raise LimitError(f"{name} is {value}; this server makes pads of at most {limit}")
     # What no search can find is refused here, at once.
     bounds.check_possible(_with_seed(spec))
-    budget_s = settings.generate_seconds
-    return await shared.run(
-        design.generate, spec.model_dump(), budget_s, timeout_s=budget_s + _GRACE_S
-    )
+    budget_s, asked = settings.generate_seconds, spec.model_dump()
+    made = shared.grown.find(asked)
+    if made is None:
+        made = await shared.run(design.generate, asked, budget_s, timeout_s=budget_s + _GRACE_S)
+    elif not shared.grown.holds(asked):
+        made = await shared.run(
+            design.resize, made, spec.name, spec.cell_mm, spec.quiet_mm, timeout_s=budget_s
+        )
+    shared.grown.keep(asked, made)
+    return made
 
 
 def _with_seed(spec: PadSpec) -> pad_spec.PadSpec:
@@ -162,8 +215,9 @@ def _bounds_record(found: bounds.Bounds) -> dict[str, Any]:
     }
 
 
-async def _store(made: design.Design, shared: Services) -> PadSummary:
+async def _store(made: design.Design, shared: Services, response: Response) -> PadSummary:
     stored = await run_in_threadpool(shared.store.pads.add, made.content, made.summary)
+    tell_known(stored, response)
     return pad_summary(stored)
 
 

@@ -23,6 +23,7 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Enough to tell a health check that the server is up; it says nothing else.
 _OPEN_PATHS = frozenset({"/api/v1/health"})
 _TUS_PATH = "/api/v1/uploads"
+_BUNDLE_PATH = "/api/v1/bundles/open"
 
 
 class TokenError(AccessError):
@@ -177,6 +178,8 @@ def _limited(request: Request, receive: Receive, settings: Settings) -> Receive:
     """The request's body, counted as it arrives: a declared length need not be there or true."""
     is_upload = request.headers.get("content-type", "").startswith("multipart/form-data")
     stated = settings.max_upload_bytes if is_upload else settings.max_request_bytes
+    if is_upload and request.url.path == _BUNDLE_PATH:
+        stated = settings.max_bundle_bytes
     if tus.carries_bytes(request.headers) and request.url.path.startswith(_TUS_PATH):
         stated = settings.max_flight_bytes
     # The parts' headers and the form's other fields come on top of the file.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from fastapi import APIRouter, Request
 from fastapi.templating import Jinja2Templates
-from starlette.responses import RedirectResponse, Response
+from starlette.responses import Response
 
 from padstudio import __version__, resources
 from padstudio.web.pages import static
@@ -31,7 +31,8 @@ class Page:
     Attributes
     ----------
     name : str
-        ``design``, ``plan``, ``diagnose`` or ``flights``; also the template's name.
+        ``home``, ``design``, ``plan``, ``diagnose``, ``flights`` or ``cameras``; also the
+        template's name.
     version : str
     max_upload_bytes, max_image_pixels : int
         Limits to check before a picture is sent.
@@ -68,13 +69,13 @@ class ErrorPage:
 
 
 @router.get("/")
-def home() -> Response:
-    return RedirectResponse("/design", 307, headers=_HEADERS)
+def home(request: Request) -> Response:
+    return _page(request, "home")
 
 
 @router.get("/design")
 def design(request: Request) -> Response:
-    return _page(request, "design")
+    return _page(request, "design", _CHART_HEADERS)
 
 
 @router.get("/plan")
@@ -90,6 +91,11 @@ def diagnose(request: Request) -> Response:
 @router.get("/flights")
 def flights(request: Request) -> Response:
     return _page(request, "flights")
+
+
+@router.get("/cameras")
+def cameras(request: Request) -> Response:
+    return _page(request, "cameras")
 
 
 @router.get("/flights/{flight_id}")

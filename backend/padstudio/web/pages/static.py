@@ -29,11 +29,22 @@ _FRONTEND = resources.web_folder("frontend")
 _EVERY_PAGE = ("tokens", "base", "controls", "layout", "lists")
 #: Style sheets of each page, in their order.
 _SHEETS = {
+    "home": (*_EVERY_PAGE, "home"),
     "design": (*_EVERY_PAGE, "viewer", "design", "print"),
     "plan": (*_EVERY_PAGE, "diagnose", "plan"),
-    "diagnose": (*_EVERY_PAGE, "diagnose", "report", "lightbox"),
+    "diagnose": (*_EVERY_PAGE, "diagnose", "report", "viewer", "workbench"),
     "flights": (*_EVERY_PAGE, "diagnose", "flights"),
-    "flight": (*_EVERY_PAGE, "diagnose", "report", "lightbox", "flights", "flight", "frames"),
+    "flight": (
+        *_EVERY_PAGE,
+        "diagnose",
+        "report",
+        "viewer",
+        "workbench",
+        "flights",
+        "flight",
+        "frames",
+    ),
+    "cameras": (*_EVERY_PAGE, "diagnose", "flights", "cameras"),
     "error": _EVERY_PAGE,
 }
 _MEDIA_TYPES = {

@@ -7,9 +7,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from padstudio.geometry.camera import MAX_READOUT_MS
 from padstudio.pad.coding.pad_spec import PAPER_COST
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, LayerFields
 from padstudio.web.schemas.pads import PadCrosstalk
+
+#: Of one search.
+MAX_PADS = 16
 
 #: Of a simulation, NAME=VALUE each.
 Disturbances = Annotated[
@@ -108,8 +112,10 @@ DETECTION_EXAMPLE: dict[str, Any] = {
         "bearing": [-0.0095, -0.0614, 0.9981],
         "bearing_sigma_deg": 0.002,
         "quality": "full",
+        "pad_id": "K7Q2M4XA",
         "elapsed_ms": {"stretch": 2.1, "lines": 6.4, "total": 18.9},
     },
+    "pads": [{"id": "3f0c5a9e1b7d2468", "name": "helipad", "pad_id": "K7Q2M4XA"}],
     "image": {"width": 2720, "height": 1530},
     "camera_scale": 1.0,
     "trace": {
@@ -127,6 +133,9 @@ DETECTION_EXAMPLE: dict[str, Any] = {
         ],
     },
 }
+
+
+DETECTION_EXAMPLE["results"] = [DETECTION_EXAMPLE["result"]]
 
 
 def _example(value: dict[str, Any]) -> ConfigDict:
@@ -187,6 +196,16 @@ class PadSpec(BaseModel):
     )
     method: Literal["auto", "growth"] = "auto"
     seed: int | None = Field(1, ge=0, le=2**63 - 1, description="null: the server draws one.")
+
+
+class NewName(BaseModel):
+    """Another name for something stored."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"name": "roof pad"}]}, extra="forbid"
+    )
+
+    name: str = Field(min_length=1, max_length=200, pattern=r"\S", description="Not only blanks.")
 
 
 class LayerSummary(BaseModel):
@@ -277,6 +296,19 @@ class CameraSummary(BaseModel):
         None, description="First row to last row; 0 is a global shutter, null is unknown."
     )
     note: str
+    created_at: datetime | None = Field(None, description="null for presets.")
+
+
+class CameraReadout(BaseModel):
+    """How long a camera's shutter rolls."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"readout_ms": 18.5}]}, extra="forbid"
+    )
+
+    readout_ms: float | None = Field(
+        ge=0, le=MAX_READOUT_MS, description="First row to last row; 0 is a global shutter."
+    )
 
 
 class CameraList(BaseModel):
@@ -311,8 +343,16 @@ class StageInfo(BaseModel):
 
 class TraceInfo(BaseModel):
     id: str
-    result_picture: str
+    result_picture: str | None = Field(description="null where none were painted.")
     stages: list[StageInfo]
+
+
+class KnownPad(BaseModel):
+    """A pad that was looked for."""
+
+    id: str = Field(description="Of the stored pad.")
+    name: str
+    pad_id: str = Field(description="What poses name it by: its print's identity.")
 
 
 class DetectionAnswer(BaseModel):
@@ -322,8 +362,13 @@ class DetectionAnswer(BaseModel):
 
     result: dict[str, Any] = Field(
         description="A line of a poses file; with quality `bearing` only its range and bearing "
-        "are to be used."
+        "are to be used. Of several pads that were found, the best."
     )
+    results: list[dict[str, Any]] = Field(
+        default_factory=list,
+        description="The same of each pad that was found, the best first; or the failure.",
+    )
+    pads: list[KnownPad] = Field(default_factory=list, description="Those that were looked for.")
     image: ImageSize
     camera_scale: float = Field(
         description="By which the calibration was scaled to the picture's size."

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.web.schemas.base import DETECTION_EXAMPLE, ErrorInfo, StageInfo
+from padstudio.web.schemas.base import DETECTION_EXAMPLE, MAX_PADS, ErrorInfo, StageInfo
 
 _ID = "5d2f0a91c3b7e846"
 ORDER_EXAMPLE: dict[str, Any] = {
@@ -37,6 +37,7 @@ FLIGHT_EXAMPLE: dict[str, Any] = {
     "request": {
         "pad_id": "3f0c5a9e1b7d2468",
         "pad_name": "helipad",
+        "pads": [{"id": "3f0c5a9e1b7d2468", "name": "helipad", "pad_id": "K7Q2M4XA"}],
         "camera_id": "preset-dji-mini-27k",
         "camera_name": "DJI Mini 2, 2.7K video",
         "method": "dense",
@@ -102,6 +103,7 @@ _BASE = f"/api/v1/flights/{_ID}/frames/412/pictures/"
 STAGES_EXAMPLE: dict[str, Any] = {
     "frame": 412,
     "result": FRAME_EXAMPLE,
+    "image": {"width": 2720, "height": 1530},
     "picture": f"{_BASE}frame.webp",
     "result_picture": f"{_BASE}result.webp",
     "stages": [
@@ -123,14 +125,22 @@ def _example(
     return ConfigDict(json_schema_extra={"examples": [value]}, extra=extra)
 
 
+_PadId = Annotated[str, Field(max_length=200)]
+PadIds = _PadId | Annotated[list[_PadId], Field(min_length=1, max_length=MAX_PADS)]
+_PADS = (
+    "Id or name of a stored pad, or several: one of those that are in view is followed until it is "
+    "lost, and `pad_id` of a frame says which."
+)
+
+
 class FlightSettings(BaseModel):
     """How frames are read; what is left out keeps its default, or the first run's value."""
 
     model_config = _example({"method": "paper", "stride": 2}, extra="forbid")
 
     name: str | None = Field(None, min_length=1, max_length=200)
-    pad: str | None = Field(None, max_length=64, description="Id of a stored pad.")
-    camera: str | None = Field(None, max_length=64, description="Id of a camera or preset.")
+    pad: PadIds | None = Field(None, description=_PADS)
+    camera: str | None = Field(None, max_length=200, description="Id or name of a camera.")
     method: Literal["dense", "paper"] | None = None
     params: dict[str, Any] | None = Field(
         None, description="Detector parameters by group and name, as docs/flights.md lists them."
@@ -151,6 +161,31 @@ class FlightSettings(BaseModel):
     )
 
 
+class OnlyFrames(BaseModel):
+    """Frames of another run that failed."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    status: Literal["failed"]
+    reason: str | None = Field(
+        None, max_length=40, description="Those that failed for it; null: all."
+    )
+
+
+class RerunSettings(FlightSettings):
+    """What another run of the same uploads does otherwise."""
+
+    model_config = _example(
+        {"params": {"search": {"least_step": 0.4}}, "only": {"status": "failed"}}, extra="forbid"
+    )
+
+    only: OnlyFrames | None = Field(
+        None,
+        description="Read no other frames of the first run, which has ended. Left out, it keeps "
+        "the first run's choice; null reads all.",
+    )
+
+
 class NewFlight(FlightSettings):
     """An analysis of uploads."""
 
@@ -162,8 +197,8 @@ class NewFlight(FlightSettings):
         description="Ids of complete uploads in the order of their frames: videos, one of them "
         "with a telemetry file beside it, or stills and zips of stills.",
     )
-    pad: str = Field(max_length=64, description="Id of a stored pad.")
-    camera: str = Field(max_length=64, description="Id of a camera or preset.")
+    pad: PadIds = Field(description=_PADS)
+    camera: str = Field(max_length=200, description="Id or name of a camera.")
 
 
 class Flight(BaseModel):
@@ -212,6 +247,7 @@ class FrameResult(BaseModel):
     frame: int
     time_s: float | None
     status: Literal["ok", "failed"]
+    pad_id: str | None = Field(None, description="Which pad a pose is of; one of the flight's.")
     quality: Literal["full", "bearing"] | None = Field(
         None,
         description="Of a pose: `full`, or `bearing` where only its range and bearing are to be "
@@ -292,6 +328,16 @@ class TelemetryColumns(BaseModel):
     unread: int = Field(description="Subtitles of no known form.")
 
 
+class FrameReadiness(BaseModel):
+    """How far a frame's decoding is."""
+
+    model_config = _example({"ready": False, "done": 40, "total": 129})
+
+    ready: bool
+    done: int = Field(description="Frames decoded, of those up to the frame.")
+    total: int
+
+
 class FrameStages(BaseModel):
     """A frame's stages, with the addresses of their pictures."""
 
@@ -299,6 +345,7 @@ class FrameStages(BaseModel):
 
     frame: int
     result: FrameResult
+    image: dict[str, int] = Field(description="The frame's `width` and `height`, pixels.")
     picture: str = Field(description="The frame itself.")
     result_picture: str = Field(description="The frame with what was found in it.")
     stages: list[StageInfo]

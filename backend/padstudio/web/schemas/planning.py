@@ -18,6 +18,7 @@ Triple = tuple[float, float, float]
 _CAMERA = "preset-dji-mini-27k"
 _CHART_EXAMPLE: dict[str, Any] = {
     "camera": _CAMERA,
+    "view": {"width_px": 2720, "height_px": 1530, "focal_px": 1813.3},
     "methods": [
         {
             "method": "dense",
@@ -54,7 +55,7 @@ class CoverageRequest(BaseModel):
     )
 
     pad: PadShape
-    camera: str = Field(max_length=64, description="Id of a camera or preset.")
+    camera: str = Field(max_length=200, description="Id or name of a camera.")
     tilts_deg: list[float] = Field([0.0], min_length=1, max_length=200)
 
 
@@ -88,12 +89,21 @@ class MethodCoverage(BaseModel):
     dead_bands: list[DeadBandInfo]
 
 
+class ViewInfo(BaseModel):
+    """The camera as a pinhole, by which the chart was made."""
+
+    width_px: int
+    height_px: int
+    focal_px: float = Field(description="Pixels of an object as large as its distance.")
+
+
 class CoverageChart(BaseModel):
     """Heights and tilts at which a pad reads, from geometry."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_CHART_EXAMPLE]})
 
     camera: str
+    view: ViewInfo
     methods: list[MethodCoverage]
 
 
@@ -104,7 +114,7 @@ class MapRequest(BaseModel):
         {"camera": _CAMERA, "heights_mm": [200, 800], "values": [0, 30], "trials": 2}
     )
 
-    camera: str = Field(max_length=64, description="Id of a camera or preset.")
+    camera: str = Field(max_length=200, description="Id or name of a camera.")
     method: Method = "dense"
     axis: Literal["tilt_deg", "blur_px"] = "tilt_deg"
     heights_mm: list[float] = Field(min_length=1, max_length=100)
@@ -144,7 +154,7 @@ class SuccessMapInfo(BaseModel):
 class AdviceQuery(BaseModel):
     """A range of heights, the camera, and what pad is wanted."""
 
-    camera: str = Field(max_length=64, examples=["preset-dji-mini-27k"])
+    camera: str = Field(max_length=200, examples=["preset-dji-mini-27k"])
     low_mm: float = Field(gt=0, le=1_000_000, examples=[500.0])
     high_mm: float = Field(gt=0, le=1_000_000, examples=[8000.0])
     method: Method = "dense"
@@ -205,9 +215,9 @@ class FrameSpec(BaseModel):
     )
 
     pad: str | None = Field(
-        None, max_length=64, description="Id of a stored pad; null leaves the ground bare."
+        None, max_length=200, description="Id or name of a stored pad; null leaves the ground bare."
     )
-    camera: str = Field(max_length=64, description="Id of a camera or preset.")
+    camera: str = Field(max_length=200, description="Id or name of a camera.")
     height_mm: float = Field(1000.0, ge=-MAX_HEIGHT_MM, le=MAX_HEIGHT_MM)
     tilt_deg: float = Field(0.0, ge=0, lt=90, description="Axis off straight down.")
     tilt_towards_deg: float = Field(0.0, ge=-360, le=360, description="Clockwise from +Y.")

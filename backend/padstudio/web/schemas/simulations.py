@@ -45,9 +45,9 @@ class SimulationSpec(BaseModel):
     )
 
     pad: str | None = Field(
-        None, max_length=64, description="Id of a stored pad; null leaves the ground bare."
+        None, max_length=200, description="Id or name of a stored pad; null leaves the ground bare."
     )
-    camera: str = Field(max_length=64, description="Id of a camera or preset.")
+    camera: str = Field(max_length=200, description="Id or name of a camera.")
     flight: FlightKind = Field("landing", description="descent and tilts are stills.")
     frames: int = Field(60, ge=1, le=10**9)
     from_mm: float = Field(3000.0, description="Height at the start (tilts: distance).")

@@ -29,6 +29,11 @@ def open_service(settings: Settings, store: Store, pool: WorkerPool) -> FlightSe
         FlightOptions(
             pictures=settings.data / "pictures",
             keep_picture_bytes=settings.keep_picture_bytes,
+            proxies=settings.data / "proxies",
+            keep_proxy_bytes=settings.keep_proxy_bytes,
+            shelves=settings.data / "frames",
+            keep_frame_bytes=settings.keep_frame_bytes,
+            shares_disk=settings.scheduler is None,
             limits=WorkLimits(
                 max_pixels=settings.max_image_pixels,
                 max_frames=settings.max_frames,

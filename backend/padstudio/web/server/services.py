@@ -4,27 +4,44 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Annotated, Any, TypeVar
 from urllib.parse import quote
 
-from fastapi import Depends, Path, Request
+from fastapi import Depends, Path, Request, Response
+from pydantic import BaseModel
 
 from padstudio.errors import LimitError
+from padstudio.flights.pictures.shelves import ShelfJob
 from padstudio.flights.service import FlightService
-from padstudio.store.store import Store
+from padstudio.store.store import Store, Stored
 from padstudio.vision import warm
 from padstudio.web.schemas.base import ErrorBody
+from padstudio.web.server.calibration_service import CalibrationJob
+from padstudio.web.server.folder_jobs import FolderJob, FolderJobs
+from padstudio.web.server.grown_pads import GrownPads
 from padstudio.web.server.settings import Settings
-from padstudio.web.server.simulation_service import SimulationService
+from padstudio.web.server.simulation_service import SimulationJob
+from padstudio.web.server.sweep_service import Sweep, SweepService
 from padstudio.web.server.turns import Turns
 from padstudio.workers import detection, pads
 from padstudio.workers.pool import WorkerPool
+from padstudio.workers.process import Call
 
 ResultT = TypeVar("ResultT")
+ModelT = TypeVar("ModelT", bound=BaseModel)
 Analyze = Callable[[detection.Job], dict[str, Any]]
 
 _SMALL_PAD = {"rows": 12, "cols": 12, "ratio": 2}
+
+
+@dataclass(frozen=True)
+class Shelving:
+    """Frames that are being laid ready, and the task that is at it."""
+
+    job: ShelfJob
+    call: Call
 
 
 @dataclass(frozen=True)
@@ -41,9 +58,16 @@ class Services:
         `padstudio.workers.detection.analyze`, or what stands in for it.
     turns : Turns
         At uploads.
-    simulations : SimulationService
+    simulations : FolderJobs of SimulationJob
+    calibrations : FolderJobs of CalibrationJob
+    sweeps : SweepService
+    grown : GrownPads
     painting : dict
         Pictures of frames that are being made, by name.
+    making : dict
+        Proxies of frames that are being made, by chunk.
+    shelving : dict
+        Decoded frames that are being laid ready, by video.
     """
 
     settings: Settings
@@ -52,12 +76,31 @@ class Services:
     flights: FlightService
     analyze: Analyze
     turns: Turns = field(default_factory=Turns)
-    simulations: SimulationService = field(default_factory=SimulationService)
-    painting: dict[str, asyncio.Future[list[dict[str, Any]]]] = field(default_factory=dict)
+    simulations: FolderJobs[SimulationJob] = field(
+        default_factory=lambda: FolderJobs(
+            "simulated flight", "simulated flights", "too_many_flights"
+        )
+    )
+    calibrations: FolderJobs[CalibrationJob] = field(
+        default_factory=lambda: FolderJobs("calibration", "calibrations", "too_many_calibrations")
+    )
+    sweeps: SweepService = field(default_factory=SweepService)
+    grown: GrownPads = field(default_factory=GrownPads)
+    painting: dict[str, asyncio.Future[dict[str, Any]]] = field(default_factory=dict)
+    making: dict[str, Future[None]] = field(default_factory=dict)
+    shelving: dict[str, Shelving] = field(default_factory=dict)
 
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
         """Call a function in a worker process; raises as `WorkerPool.submit` and its future."""
         return await asyncio.wrap_future(self.pool.submit(function, *args, timeout_s=timeout_s))
+
+    async def run_at(
+        self, home: str, function: Callable[..., ResultT], *args: Any, timeout_s: float
+    ) -> ResultT:
+        """As `run`, in the process that was last at the same thing, unless that is busy."""
+        return await asyncio.wrap_future(
+            self.pool.submit(function, *args, timeout_s=timeout_s, home=home)
+        )
 
     async def work(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
         """Call a function that takes its time, and lets requests go first; as `run`."""
@@ -96,12 +139,57 @@ ERRORS: dict[int | str, dict[str, Any]] = {
 }
 
 
+#: Of an answer to something that was to be stored.
+KNOWN: dict[int | str, dict[str, Any]] = {
+    200: {"description": "The same was stored already; this is it, and nothing was added."}
+}
+#: Of an answer that is a small picture.
+PICTURE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The picture.",
+        "content": {
+            "image/png": {
+                "schema": {"type": "string", "format": "binary"},
+                "example": "(the bytes of a PNG file)",
+            }
+        },
+    }
+}
+#: A picture that changes only with what it shows; a list that opens again has it at once.
+A_WHILE = {"Cache-Control": "private, max-age=300"}
+
+
+def tell_known(stored: Stored, response: Response) -> None:
+    """Answer 200 rather than 201 where nothing was added."""
+    if stored.was_known:
+        response.status_code = 200
+
+
 def attachment(name: str, suffix: str) -> dict[str, str]:
     """The header that makes a browser save an answer under a name (RFC 6266)."""
     full = "".join(c if c.isalnum() or c in " -_" else "_" for c in name).strip() or "pad"
     plain = full.encode("ascii", "replace").decode().replace("?", "_")
     value = f"attachment; filename=\"{plain}{suffix}\"; filename*=UTF-8''{quote(full + suffix)}"
     return {"Content-Disposition": value}
+
+
+def accepted(
+    response: Response, listing: str, job: Sweep | FolderJob, model: type[ModelT]
+) -> ModelT:
+    """Describe a job that was taken on, and say where it is asked for.
+
+    Parameters
+    ----------
+    response : Response
+        Gets the header ``Location``.
+    listing : str
+        Where such jobs are, below ``/api/v1/``.
+    job : Sweep or FolderJob
+    model : type of BaseModel
+        What describes it.
+    """
+    response.headers["Location"] = f"/api/v1/{listing}/{job.id}"
+    return model.model_validate(job)
 
 
 def check_size(size: int | None, limit: int, word: str) -> None:

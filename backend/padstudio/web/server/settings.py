@@ -86,6 +86,9 @@ class Settings(BaseSettings):
     max_upload_bytes: int = Field(
         64 * MB, ge=1000, le=2000 * MB, description="Largest upload of an image or a pad file."
     )
+    max_bundle_bytes: int = Field(
+        256 * MB, ge=1000, le=512 * MB, description="Largest bundle of a frame."
+    )
     max_camera_bytes: int = Field(4 * MB, ge=1000, description="Largest camera file.")
     # Pillow warns above 89 megapixels by itself, hence the upper end.
     max_image_pixels: int = Field(
@@ -103,14 +106,20 @@ class Settings(BaseSettings):
     simulate_flight_seconds: float = Field(
         1800, gt=0, le=86_400, description="Time to simulate one flight."
     )
+    calibrate_seconds: float = Field(
+        1800, gt=0, le=86_400, description="Time to calibrate one camera."
+    )
     max_flight_frames: int = Field(
         600, ge=1, le=20_000, description="Most frames of one simulated flight."
     )
     max_window: int = Field(
-        spec.MAX_WINDOW, ge=2, le=spec.MAX_WINDOW, description="Largest window b of a new pad."
+        spec.MAX_WINDOW,
+        ge=2,
+        le=spec.MAX_WINDOW,
+        description="Largest window (b × b cells) of a new pad.",
     )
     max_levels: int = Field(
-        spec.MAX_LEVELS, ge=2, le=spec.MAX_LEVELS, description="Most levels Y of a new pad."
+        spec.MAX_LEVELS, ge=2, le=spec.MAX_LEVELS, description="Most grey levels (Y) of a new pad."
     )
     max_cells: int = Field(
         spec.MAX_CELLS, ge=2, le=spec.MAX_CELLS, description="Most rows or columns of a new pad."
@@ -166,6 +175,14 @@ class Settings(BaseSettings):
     max_frames: int = Field(2_000_000, ge=1, description="Most frames of one video.")
     keep_picture_bytes: int = Field(
         4_000 * MB, ge=10 * MB, description="Disk that the kept pictures of frames may take."
+    )
+    keep_frame_bytes: int = Field(
+        8_000 * MB,
+        ge=500 * MB,
+        description="Disk that decoded frames about those that are looked at may take.",
+    )
+    keep_proxy_bytes: int = Field(
+        20_000 * MB, ge=500 * MB, description="Disk that small pictures of all frames may take."
     )
 
     @field_validator("data")

@@ -17,7 +17,7 @@ from padstudio.simulate.trajectories import VIDEO_KINDS
 from padstudio.store.database.data_folder import remove
 from padstudio.store.uploads.uploads import upload_file
 from padstudio.web.api.cameras import camera_text
-from padstudio.web.api.flights import order_flight
+from padstudio.web.api.flights.flights import order_flight
 from padstudio.web.schemas.flights import NewFlight
 from padstudio.web.schemas.planning import (
     DisturbanceInfo,
@@ -27,7 +27,7 @@ from padstudio.web.schemas.planning import (
     SimulatedFrame,
 )
 from padstudio.web.schemas.simulations import Simulation, SimulationSpec
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, attachment
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, accepted, attachment
 from padstudio.web.server.simulation_service import SimulationJob
 from padstudio.workers import frames, simulated_flights
 
@@ -101,8 +101,7 @@ async def simulate_flight(spec: SimulationSpec, shared: Shared, response: Respon
     except LimitError:
         remove(job.folder)
         raise
-    response.headers["Location"] = f"/api/v1/simulations/{job.id}"
-    return Simulation.model_validate(job)
+    return accepted(response, "simulations", job, Simulation)
 
 
 @router.get(

@@ -2,77 +2,22 @@
 
 from __future__ import annotations
 
-import base64
 import json
+import re
+import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
-import httpx
 import pytest
 import score
+from dense_frames import random_pad
+from flight_api import API, Api
 from places import FOOTAGE
-from web_server import running, settings_for
 
-API = "/api/v1"
-OVER = ("done", "failed", "cancelled")
+from padstudio.pad.spec import Pad
+
 Refused = Callable[..., dict[str, Any]]
-
-
-class Api:
-    """A client with a pad, a camera and a video uploaded."""
-
-    def __init__(self, client: httpx.Client) -> None:
-        self.client = client
-        pad = (FOOTAGE / "pad_a.json").read_bytes()
-        camera = (FOOTAGE / "camera_drone_2k7.yaml").read_bytes()
-        self.pad = self.post_file("/pads/import", "pad.json", pad)
-        self.camera = self.post_file("/cameras", "camera.yaml", camera)
-        self.video = self.upload((FOOTAGE / "flights" / "landing.mp4").read_bytes(), "landing.mp4")
-
-    def post_file(self, path: str, name: str, content: bytes) -> str:
-        answer = self.client.post(API + path, files={"file": (name, content)})
-        return str(answer.raise_for_status().json()["id"])
-
-    def upload(self, content: bytes, name: str = "file") -> str:
-        headers = {
-            "Tus-Resumable": "1.0.0",
-            "Upload-Length": str(len(content)),
-            "Upload-Metadata": "filename " + base64.b64encode(name.encode()).decode(),
-            "Content-Type": "application/offset+octet-stream",
-        }
-        answer = self.client.post(f"{API}/uploads", content=content, headers=headers)
-        return str(answer.raise_for_status().json()["id"])
-
-    def order(self, *uploads: str, **values: Any) -> httpx.Response:
-        ids = {"uploads": list(uploads) or [self.video], "pad": self.pad, "camera": self.camera}
-        return self.client.post(f"{API}/flights", json=ids | values)
-
-    def finished(self, flight: str) -> dict[str, Any]:
-        """Wait until a flight is over."""
-        end = time.monotonic() + 120
-        while (found := self.get(flight))["state"] not in OVER:
-            assert time.monotonic() < end
-            time.sleep(0.1)
-        return found
-
-    def get(self, path: str) -> dict[str, Any]:
-        return dict(self.client.get(f"{API}/flights/{path}").raise_for_status().json())
-
-
-@pytest.fixture(scope="module")
-def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
-    settings = settings_for(
-        tmp_path_factory.mktemp("data"),
-        workers=1,
-        max_image_pixels=8_000_000,
-        max_upload_bytes=5_000_000,
-        detect_seconds=60,
-        chunk_frames=30,
-    )
-    with running(settings) as client:
-        client.timeout = httpx.Timeout(90)
-        yield Api(client)
 
 
 @pytest.fixture(scope="module")
@@ -149,12 +94,44 @@ def test_pictures_of_any_stage(api: Api, flight: dict[str, Any], refused: Refuse
         f"{base}/pictures/result.png", headers={"If-None-Match": png.headers["etag"]}
     )
     assert (again.status_code, again.content) == (304, b"")
-    small = api.client.get(f"{base}/pictures/frame.webp?width=480")
+    small = api.client.get(f"{base}/pictures/frame.webp?width=320")
     assert len(small.content) < len(api.client.get(f"{base}/pictures/frame.webp").content)
     missing = api.client.get(f"{base}/pictures/no_stage.webp")
     refused(missing, 404, "no_picture")
     beyond = api.client.get(f"{API}/flights/{flight['id']}/frames/60/pictures/frame.webp")
     refused(beyond, 404, "no_such_frame")
+
+
+def test_small_pictures_are_there_and_made_again(api: Api, flight: dict[str, Any]) -> None:
+    def group(number: int) -> tuple[dict[str, Any], bytes]:
+        data = api.client.get(f"{API}/flights/{flight['id']}/proxies/{number}").content
+        start = 4 + int.from_bytes(data[:4], "little")
+        return json.loads(data[4:start]), data[start:]
+
+    for number, frames in ((0, range(16)), (3, range(48, 60)), (4, range(0))):
+        head, pictures = group(number)
+        assert head["complete"]
+        assert [each["frame"] for each in head["frames"]] == list(frames)
+        assert sum(each["bytes"] for each in head["frames"]) == len(pictures)
+    assert head["making"] is None
+    # As after an update, or where others pushed them out.
+    for folder in (api.data / "proxies").iterdir():
+        shutil.rmtree(folder)
+    end = time.monotonic() + 60
+    while not (found := group(2)[0])["complete"]:
+        assert 0 <= found["making"]["done"] <= found["making"]["total"]
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert [each["frame"] for each in found["frames"]] == list(range(32, 48))
+
+
+def test_outlines_lie_where_poses_say(api: Api, flight: dict[str, Any]) -> None:
+    items = api.get(f"{flight['id']}/outlines?first_frame=20&limit=5")["items"]
+    assert [item["frame"] for item in items] == [20, 21, 22, 23, 24]
+    for item in items:
+        roles = [line["role"] for line in item["lines"]]
+        assert {"x", "y", "z"} & set(roles)
+        assert all(len(line["points"]) > 1 for line in item["lines"])
 
 
 def test_progress_as_events(api: Api) -> None:
@@ -184,6 +161,47 @@ def test_a_rerun_stands_beside_the_first(api: Api, flight: dict[str, Any]) -> No
     assert api.get(flight["id"])["frames_done"] == 60
 
 
+def test_a_rerun_of_failed_frames_reads_no_others(
+    api: Api, flight: dict[str, Any], refused: Refused
+) -> None:
+    rerun = f"{API}/flights/{flight['id']}/rerun"
+    blind = api.client.post(
+        rerun, json={"params": {"search": {"least_edges": 90_000}}, "stride": 4}
+    )
+    first = api.finished(blind.json()["id"])
+    items = api.get(f"{first['id']}/frames")["items"]
+    failed = [item["frame"] for item in items if item["status"] == "failed"]
+    reasons = {item["reason"] for item in items if item["status"] == "failed"}
+    assert 0 < len(failed) < len(items) or failed == [item["frame"] for item in items]
+    again = f"{API}/flights/{first['id']}/rerun"
+    answer = api.client.post(again, json={"params": {}, "only": {"status": "failed"}})
+    assert answer.status_code == 202, answer.text
+    second = api.finished(answer.json()["id"])
+    assert second["request"]["only"] == {"flight": first["id"], "reason": None}
+    assert second["frames_total"] == second["frames_done"] == len(failed)
+    found = api.get(f"{second['id']}/frames")["items"]
+    assert [item["frame"] for item in found] == failed
+    whole = {item["frame"]: item for item in api.get(f"{flight['id']}/frames")["items"]}
+    assert [item["time_s"] for item in found] == [whole[n]["time_s"] for n in failed]
+    assert api.get(f"{second['id']}/summary")["frames"] == len(failed)
+    # Exports, pictures and further runs keep to them.
+    lines = api.client.get(f"{API}/flights/{second['id']}/export/csv").text.splitlines()
+    assert len(lines) == 1 + len(failed)
+    assert api.client.get(
+        f"{API}/flights/{second['id']}/frames/{failed[-1]}/preview.jpg"
+    ).is_success
+    other = next(n for n in range(60) if n not in failed)
+    missing = api.client.get(f"{API}/flights/{second['id']}/frames/{other}/preview.jpg")
+    refused(missing, 404, "no_result")
+    kept = api.client.post(f"{API}/flights/{second['id']}/rerun", json={})
+    assert api.finished(kept.json()["id"])["frames_total"] == len(failed)
+    everything = api.client.post(f"{API}/flights/{second['id']}/rerun", json={"only": None})
+    assert api.finished(everything.json()["id"])["frames_total"] == 15
+    wrong = {"only": {"status": "failed", "reason": "warped"}}
+    assert "warped" not in reasons
+    refused(api.client.post(again, json=wrong), 422, "no_frames")
+
+
 def test_cancel_retry_and_delete(api: Api, refused: Refused) -> None:
     flight = api.order().json()["id"]
     cancelled = api.client.post(f"{API}/flights/{flight}/cancel")
@@ -198,12 +216,41 @@ def test_cancel_retry_and_delete(api: Api, refused: Refused) -> None:
 
 
 def test_pad_and_camera_may_go_while_in_use(api: Api) -> None:
-    pad = api.post_file("/pads/import", "pad.json", (FOOTAGE / "pad_a.json").read_bytes())
+    # Under a name of its own, or it would be the pad of the other tests.
+    content = Pad.load(FOOTAGE / "pad_a.json").to_dict() | {"name": "goes"}
+    pad = api.post_file("/pads/import", "pad.json", json.dumps(content).encode())
     flight = api.order(pad=pad, stride=30).json()["id"]
     assert api.client.delete(f"{API}/pads/{pad}").status_code == 204
     assert api.finished(flight)["frames_ok"] == 2
     picture = api.client.get(f"{API}/flights/{flight}/frames/30/pictures/result.webp")
     assert picture.status_code == 200
+
+
+def test_of_several_pads_each_frame_names_its_own(api: Api, refused: Refused) -> None:
+    other = api.post_file(
+        "/pads/import", "other.json", random_pad(7, cells=(60, 12)).dumps().encode()
+    )
+    flight = api.order(pad=[other, api.pad], stride=20).json()
+    named = {pad["id"]: pad["pad_id"] for pad in flight["request"]["pads"]}
+    assert list(named) == [other, api.pad]
+    assert api.finished(flight["id"])["frames_ok"] == 3
+    frames = api.get(f"{flight['id']}/frames?limit=100")["items"]
+    assert {frame["pad_id"] for frame in frames} == {named[api.pad]}
+    assert {frame["estimate"] for frame in frames} == {"filtered"}
+    export = f"{API}/flights/{flight['id']}/export"
+    assert named[api.pad] in api.client.get(f"{export}/csv").text
+    refused(api.client.get(f"{export}/tum"), 422, "several_pads")
+    refused(api.client.get(f"{export}/tum?pad_id=NOSUCHPD"), 422, "unknown_pad")
+    lines = {
+        pad: len(re.findall("(?m)^[^#]", api.client.get(f"{export}/tum?pad_id={pad}").text))
+        for pad in named.values()
+    }
+    assert lines == {named[other]: 0, named[api.pad]: 3}
+    preview = api.client.get(f"{API}/flights/{flight['id']}/frames/20/preview.jpg")
+    assert preview.raise_for_status().content[:2] == b"\xff\xd8"
+    again = api.client.post(f"{API}/flights/{flight['id']}/rerun", json={"stride": 40}).json()
+    assert again["request"]["pads"] == flight["request"]["pads"]
+    assert api.finished(again["id"])["frames_ok"] == 2
 
 
 def test_uploads_in_use_stay(api: Api, flight: dict[str, Any], refused: Refused) -> None:
@@ -233,6 +280,11 @@ def test_stills_and_telemetry(api: Api, refused: Refused) -> None:
 
 def test_orders_that_are_refused(api: Api, flight: dict[str, Any], refused: Refused) -> None:
     refused(api.order("0" * 16), 404, "not_found")
+    refused(api.order(pad=[api.pad, api.pad]), 422, "pads_alike")
+    other = api.post_file(
+        "/pads/import", "other.json", random_pad(7, cells=(60, 12)).dumps().encode()
+    )
+    refused(api.order(pad=[api.pad, other], method="paper"), 422, "several_pads")
     refused(api.order(pad="0" * 16), 404, "not_found")
     refused(api.order(camera="0" * 16), 404, "not_found")
     refused(api.order(first_frame=9, end_frame=9), 422, "invalid_range")

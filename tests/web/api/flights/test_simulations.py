@@ -171,7 +171,7 @@ def test_what_only_shows_on_the_way_is_told_by_the_job(
 
 
 def test_jobs_that_wait_are_limited(tmp_path: Path, refused: Refused) -> None:
-    from padstudio.web.server.simulation_service import MAX_OPEN
+    from padstudio.web.server.folder_jobs import MAX_OPEN
 
     with running(settings_for(tmp_path)) as client:
         spec = {"camera": "preset-webcam-c270", "frames": 100}

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import httpx
+from web_server import wait_until
 
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
@@ -37,3 +38,17 @@ def test_only_files_of_the_sample_are_served(
     refused(studio.get(f"{SAMPLES}/other.jpg"), 404, "not_found")
     refused(studio.get(f"{SAMPLES}/app.py"), 422, "invalid_request")
     refused(studio.get(f"{SAMPLES}/..%2Fpad.json"), 404, "not_found")
+
+
+def test_the_sample_flight_is_read_and_is_the_same_flight_again(studio: httpx.Client) -> None:
+    first = studio.post(f"{SAMPLES}/flight")
+    again = studio.post(f"{SAMPLES}/flight")
+    assert (first.status_code, again.status_code) == (202, 200)
+    assert again.json()["id"] == first.json()["id"]
+    address = f"/api/v1/flights/{first.json()['id']}"
+    wait_until(lambda: studio.get(address).json()["state"] not in ("queued", "running"))
+    flight = studio.get(address).json()
+    assert (flight["state"], flight["frames_total"]) == ("done", 72)
+    assert flight["frames_ok"] >= 70
+    studio.delete(address)
+    assert studio.post(f"{SAMPLES}/flight").json()["id"] != first.json()["id"]

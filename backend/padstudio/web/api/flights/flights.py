@@ -14,9 +14,12 @@ from sse_starlette import EventSourceResponse, ServerSentEvent
 from padstudio.errors import NotFoundError, SpecError
 from padstudio.flights.jobs import FlightOrder
 from padstudio.flights.results.frames import FrameFilter
+from padstudio.pad.identity import pad_id
+from padstudio.pad.spec import Pad
 from padstudio.store.database.flight_tables import OPEN, FlightRow
 from padstudio.store.store import Store
-from padstudio.web.api.cameras import camera_name, camera_text
+from padstudio.web.api.cameras import find_camera
+from padstudio.web.schemas.base import NewName
 from padstudio.web.schemas.flights import (
     Flight,
     FlightDetail,
@@ -27,6 +30,8 @@ from padstudio.web.schemas.flights import (
     FrameQuery,
     FrameResult,
     NewFlight,
+    PadIds,
+    RerunSettings,
     TelemetryColumns,
 )
 from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
@@ -46,6 +51,7 @@ _DEFAULTS: dict[str, Any] = {
     "apply_rotation": True,
     "fuse": True,
     "smooth": False,
+    "only": None,
 }
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
@@ -84,6 +90,11 @@ def get_flight(flight_id: ItemId, shared: Shared) -> FlightDetail:
     return describe_detail(shared, shared.flights.flights.get(flight_id, texts=True))
 
 
+@router.patch("/{flight_id}", operation_id="renameFlight", summary="Call a flight otherwise")
+def rename_flight(flight_id: ItemId, new: NewName, shared: Shared) -> Flight:
+    return describe(shared, shared.flights.flights.rename(flight_id, new.name.strip()))
+
+
 @router.delete(
     "/{flight_id}", operation_id="deleteFlight", summary="Remove a flight", status_code=204
 )
@@ -113,9 +124,16 @@ def retry_flight(flight_id: ItemId, shared: Shared) -> Flight:
     status_code=202,
 )
 def rerun_flight(
-    flight_id: ItemId, changes: FlightSettings, shared: Shared, response: Response
+    flight_id: ItemId, changes: RerunSettings, shared: Shared, response: Response
 ) -> FlightDetail:
-    flight = shared.flights.rerun(flight_id, lambda order: _changed(order, changes, shared.store))
+    def change(order: FlightOrder) -> FlightOrder:
+        order = _changed(order, changes, shared.store)
+        if changes.only is None:
+            return order
+        only = {"flight": flight_id, "reason": changes.only.reason}
+        return replace(order, request=dict(order.request) | {"only": only})
+
+    flight = shared.flights.rerun(flight_id, change)
     response.headers["Location"] = f"/api/v1/flights/{flight.id}"
     return describe_detail(shared, shared.flights.flights.get(flight.id, texts=True))
 
@@ -236,16 +254,35 @@ def _changed(order: FlightOrder, given: FlightSettings, store: Store) -> FlightO
             code="invalid_range",
         )
     if given.pad is not None:
-        pad = store.pads.get(given.pad)
-        order = replace(order, pad=pad.content or "")
-        request |= {"pad_id": given.pad, "pad_name": pad.summary.get("name", "")}
+        order = _with_pads(order, given.pad, request, store)
     if given.camera is not None:
-        order = replace(order, camera=camera_text(store, given.camera))
-        request |= {"camera_id": given.camera, "camera_name": camera_name(store, given.camera)}
+        camera = find_camera(store, given.camera)
+        order = replace(order, camera=camera.content or "")
+        request |= {"camera_id": camera.id, "camera_name": camera.summary.get("name", "")}
     name = given.name or order.name
     if not name:
         name = store.uploads.get(order.uploads[0]).name
     return replace(order, name=name, request=request)
+
+
+def _with_pads(
+    order: FlightOrder, given: PadIds, request: dict[str, Any], store: Store
+) -> FlightOrder:
+    """An order with other pads; they are named in its request."""
+    stored = [store.pads.get(pad) for pad in ([given] if isinstance(given, str) else given)]
+    first, *others = (pad.content or "" for pad in stored)
+    named = [
+        {
+            "id": pad.id,
+            "name": pad.summary.get("name", ""),
+            "pad_id": pad_id(Pad.loads(pad.content or "")),
+        }
+        for pad in stored
+    ]
+    request["pads"] = named
+    request["pad_id"] = named[0]["id"]
+    request["pad_name"] = ", ".join(pad["name"] for pad in named)
+    return replace(order, pad=first, other_pads=others)
 
 
 async def _events(

@@ -14,8 +14,10 @@ from fastapi.responses import StreamingResponse
 from padstudio.errors import BusyError, SpecError
 from padstudio.flights.exports.forms import FORMS, export
 from padstudio.flights.exports.options import ExportOptions
+from padstudio.flights.exports.pads import check_pad, of_pad
 from padstudio.flights.exports.sources import FlightPictures, frame_camera
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
+from padstudio.pad.identity import pad_id
 from padstudio.pad.spec import Pad
 from padstudio.web.server.services import (
     ERRORS,
@@ -53,6 +55,8 @@ class ExportChoices:
     Attributes
     ----------
     start_unix_s : float
+    pad_id : str or None
+        Of a flight with several pads, the one whose poses are wanted.
     turned_deg, forward_m, right_m, down_m : float
         The mount of a camera that looks straight down.
     """
@@ -60,6 +64,13 @@ class ExportChoices:
     start_unix_s: Annotated[
         float, Query(ge=0, le=2**33, description="Unix time of the flight's time 0, s.")
     ] = 0.0
+    pad_id: Annotated[
+        str | None,
+        Query(
+            max_length=16,
+            description="Of a flight with several pads: poses of this one, as `pad_id` of frames.",
+        ),
+    ] = None
     turned_deg: Annotated[
         float,
         Query(ge=-360, le=360, description="Of MAVLink: 0 if up in the picture is forward."),
@@ -143,9 +154,12 @@ def _stream(
                 time.sleep(_BUSY_SECONDS)
 
     results = shared.flights.results
+    loaded = [Pad.loads(text) for text in (flight.pad, *(flight.other_pads or ()))]
+    pads = {pad_id(pad): pad for pad in loaded}
+    check_pad(form, pads, choices.pad_id)
     options = ExportOptions(
         camera=frame_camera(flight, run, max_pixels) if form in _WITH_CAMERA else None,
-        pad_size_mm=Pad.loads(flight.pad).size_mm,
+        pad_size_mm=pads.get(choices.pad_id or "", loaded[0]).size_mm,
         picture=FlightPictures(flight, results, run, max_pixels) if images else None,
         start_unix_s=choices.start_unix_s,
         mount=choices.mount,
@@ -153,7 +167,7 @@ def _stream(
     )
     found = FORMS[form]
     return StreamingResponse(
-        export(form, results.every(flight), options),
+        export(form, of_pad(results.every(flight), choices.pad_id), options),
         media_type=found.media_type,
         headers=attachment(flight.name, found.suffix),
     )

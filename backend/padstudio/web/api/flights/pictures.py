@@ -17,18 +17,21 @@ from padstudio import __version__
 from padstudio.errors import NotFoundError
 from padstudio.flights.pictures import stages as pictures
 from padstudio.flights.pictures.previews import preview
-from padstudio.flights.pictures.stages import Kind, PictureJob
+from padstudio.flights.pictures.shelves import ShelfJob, lay_ready
+from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import Record
 from padstudio.store.database.data_folder import remove
-from padstudio.web.api.flights import FrameNumber
+from padstudio.web.api.flights.flights import FrameNumber
 from padstudio.web.schemas.base import StageInfo
-from padstudio.web.schemas.flights import FrameResult, FrameStages
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
+from padstudio.web.schemas.flights import FrameReadiness, FrameResult, FrameStages
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, Shelving
 from padstudio.workers import detection
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
 _MEDIA_TYPES = {"webp": "image/webp", "png": "image/png"}
+# At frames that are being laid ready; the answer comes so much later at most.
+_LOOK_EVERY_S = 0.03
 _KEPT = {"Cache-Control": "private, max-age=3600"}
 
 
@@ -45,17 +48,31 @@ def _picture(example: str, *media_types: str) -> dict[int | str, dict[str, Any]]
     summary="A frame's stages, with their pictures",
 )
 async def get_frame_stages(flight_id: ItemId, number: FrameNumber, shared: Shared) -> FrameStages:
-    stages = await _painted(shared, flight_id, number, "webp")
+    painted = await _painted(shared, flight_id, number)
     flight = await run_in_threadpool(shared.flights.flights.get, flight_id)
     record = await run_in_threadpool(shared.flights.results.frame, flight, number)
     base = f"/api/v1/flights/{flight_id}/frames/{number}/pictures/"
     return FrameStages(
         frame=number,
         result=FrameResult.model_validate(record),
+        image=painted["image"],
         picture=f"{base}{pictures.FRAME}.webp",
         result_picture=f"{base}{pictures.RESULT}.webp",
-        stages=[_stage(base, stage) for stage in stages],
+        stages=[_stage(base, stage) for stage in painted["stages"]],
     )
+
+
+@router.get(
+    "/{flight_id}/frames/{number}/readiness",
+    operation_id="getFrameReadiness",
+    summary="How far the decoding is that a frame's pictures wait for",
+)
+def get_frame_readiness(flight_id: ItemId, number: FrameNumber, shared: Shared) -> FrameReadiness:
+    job = shared.flights.picture_job(flight_id, number, Path())
+    if job.shelf is None or job.shelf.is_ready:
+        return FrameReadiness(ready=True, done=1, total=1)
+    done, total = job.shelf.progress
+    return FrameReadiness(ready=False, done=done, total=total)
 
 
 @dataclass(frozen=True)
@@ -79,12 +96,14 @@ class Shown:
 
     @property
     def name(self) -> str:
-        """The picture's file."""
-        name = f"{self.stage}.{self.kind}"
-        if self.channel:
-            name = f"{self.channel}-{name}"
-        is_small = self.width is not None and self.width <= detection.THUMBNAIL_WIDTH_PX
-        return detection.THUMBNAIL_PREFIX + name if is_small else name
+        """The picture's file, without its suffix."""
+        return f"{self.channel}-{self.stage}" if self.channel else self.stage
+
+    @property
+    def is_small(self) -> bool:
+        """True where the thumbnail, which is WebP, is wide enough."""
+        is_narrow = self.width is not None and self.width <= detection.THUMBNAIL_WIDTH_PX
+        return is_narrow and self.kind == "webp"
 
 
 @router.get(
@@ -102,55 +121,91 @@ async def get_frame_picture(
     request: Request,
 ) -> Response:
     await run_in_threadpool(shared.flights.flights.get, flight_id)
-    name, kind = shown.name, shown.kind
     # What is painted follows from these alone.
-    identity = f"{__version__} {flight_id} {number} {name}"
+    identity = f"{__version__} {flight_id} {number} {shown.name} {shown.kind} {shown.is_small}"
     etag = f'"{hashlib.sha256(identity.encode()).hexdigest()[:32]}"'
     headers = {"ETag": etag, **_KEPT}
     if etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
-    await _painted(shared, flight_id, number, kind)
-    path = shared.flights.pictures.path(_key(flight_id, number, kind), name)
-    if path is None:
+    await _painted(shared, flight_id, number)
+    whole = shared.flights.pictures.path(_key(flight_id, number), shown.name + detection.RAW_SUFFIX)
+    if whole is None:
         raise NotFoundError(
             f"the stage {shown.stage} did not run in this frame, or left nothing to see; "
             f"/api/v1/flights/{flight_id}/frames/{number}/stages lists those that did",
             code="no_picture",
         )
-    return FileResponse(path, media_type=_MEDIA_TYPES[kind], headers=headers)
+    if shown.is_small:
+        path = whole.with_name(detection.thumbnail_of(whole.name))
+        return FileResponse(path, media_type="image/webp", headers=headers)
+    data = await shared.run(
+        pictures.encode,
+        whole.parent,
+        shown.name,
+        shown.kind,
+        timeout_s=shared.settings.detect_seconds,
+    )
+    return Response(data, media_type=_MEDIA_TYPES[shown.kind], headers=headers)
 
 
-async def _painted(
-    shared: Services, flight_id: str, number: int, kind: Kind
-) -> list[dict[str, Any]]:
+async def _painted(shared: Services, flight_id: str, number: int) -> pictures.Painted:
     """The stages of a frame, painted; a page that asks for twenty at once causes one painting."""
-    key = _key(flight_id, number, kind)
-    stages = shared.flights.pictures.stages(key)
-    if stages is not None:
-        return stages
+    key = _key(flight_id, number)
+    painted = shared.flights.pictures.painted(key)
+    if painted is not None:
+        return painted
     painting = shared.painting.get(key)
     if painting is None:
-        painting = asyncio.ensure_future(_paint(shared, flight_id, number, kind))
+        painting = asyncio.ensure_future(_paint(shared, flight_id, number))
         shared.painting[key] = painting
         painting.add_done_callback(lambda _: shared.painting.pop(key, None))
     # One browser that goes away must not take the picture from the others.
     return await asyncio.shield(painting)
 
 
-async def _paint(shared: Services, flight_id: str, number: int, kind: Kind) -> list[dict[str, Any]]:
+async def _paint(shared: Services, flight_id: str, number: int) -> pictures.Painted:
     folder: Path = await run_in_threadpool(shared.store.folder.work_folder)
     try:
-        job = await run_in_threadpool(shared.flights.picture_job, flight_id, number, kind, folder)
-        stages = await shared.run(pictures.paint, job, timeout_s=shared.settings.detect_seconds)
-        key = _key(flight_id, number, kind)
-        await run_in_threadpool(shared.flights.pictures.add, key, folder, stages)
-        return stages
+        job = await run_in_threadpool(shared.flights.picture_job, flight_id, number, folder)
+        await _lay_ready(shared, job.shelf)
+        painted = await shared.run(pictures.paint, job, timeout_s=shared.settings.detect_seconds)
+        key = _key(flight_id, number)
+        await run_in_threadpool(shared.flights.pictures.add, key, folder, painted)
+        return painted
     finally:
         remove(folder)
 
 
-def _key(flight_id: str, number: int, kind: Kind) -> str:
-    return f"{flight_id}-{number}-{kind}"
+async def _lay_ready(shared: Services, job: ShelfJob | None) -> None:
+    """Wait until a frame lies on its video's shelf, if a process is free to lay it there.
+
+    Where that fails, who then reads the frame itself learns why.
+    """
+    if job is None or await run_in_threadpool(lambda: job.is_ample):
+        return
+    await run_in_threadpool(shared.flights.shelves.trim)
+    name = job.folder.name
+    at_work = shared.shelving.get(name)
+    is_ready = await run_in_threadpool(lambda: job.is_ready)
+    if at_work is not None and not at_work.call.future.done():
+        if is_ready:
+            return
+        if not at_work.job.covers(job):
+            at_work.call.stop()
+            at_work = None
+    else:
+        at_work = None
+    if at_work is None:
+        if not shared.pool.free:
+            return
+        at_work = shared.shelving[name] = Shelving(job, shared.pool.start(lay_ready, job))
+    while not is_ready and not at_work.call.future.done():
+        await asyncio.sleep(_LOOK_EVERY_S)
+        is_ready = await run_in_threadpool(lambda: job.is_ready)
+
+
+def _key(flight_id: str, number: int) -> str:
+    return f"{flight_id}-{number}"
 
 
 def _stage(base: str, stage: dict[str, Any]) -> StageInfo:
@@ -180,8 +235,12 @@ async def get_frame_preview(
     number: FrameNumber,
     shared: Shared,
     width: Annotated[int, Query(ge=16, le=4096, description="Most pixels.")] = 1280,
+    outline: Annotated[bool, Query(description="Draw the pad.")] = True,
 ) -> Response:
     job, record = await run_in_threadpool(_preview_job, shared, flight_id, number)
+    await _lay_ready(shared, job.shelf)
+    if not outline:
+        record = {"status": "failed"}
     data = await shared.run(preview, job, record, width, timeout_s=shared.settings.detect_seconds)
     return Response(data, media_type="image/jpeg", headers=_KEPT)
 
@@ -189,4 +248,4 @@ async def get_frame_preview(
 def _preview_job(shared: Services, flight_id: str, number: int) -> tuple[PictureJob, Record]:
     flight = shared.flights.flights.get(flight_id)
     record = shared.flights.results.frame(flight, number)
-    return shared.flights.picture_job(flight_id, number, "webp", Path()), record
+    return shared.flights.picture_job(flight_id, number, Path()), record

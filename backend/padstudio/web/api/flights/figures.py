@@ -21,6 +21,7 @@ _COLUMN: dict[str, Any] = {
     "z_max_mm": 1043.2,
     "outcomes": [20, 0, 6, 0, 2, 2],
     "stages": {"decode": 2},
+    "failed_at": {"red": {"decode": 2}, "blue": {"lines": 2}},
 }
 _TIMELINE: dict[str, Any] = {
     "first_frame": 0,
@@ -64,6 +65,10 @@ class TimelineColumn(BaseModel):
         "ones; those of which only range and bearing are to be used."
     )
     stages: dict[str, int] = Field(description="First failing stage: frames.")
+    failed_at: dict[str, dict[str, int]] = Field(
+        description="By channel, the stage at which it failed: frames. Empty in columns of a "
+        "hundred frames or more."
+    )
 
 
 class FlightTimeline(BaseModel):
@@ -111,7 +116,9 @@ class FlightFigures(BaseModel):
     model_config = ConfigDict(json_schema_extra={"examples": [_FIGURES]})
 
     trajectory: dict[str, list[float | str | None]] = Field(
-        description="Columns frame, time_s, x_mm, y_mm, z_mm, quality; null without a pose."
+        description="Columns frame, time_s, x_mm, y_mm, z_mm, quality, heading_deg, tilt_deg, "
+        "position_sigma_mm, attitude_sigma_deg, cells_read, cells_wrong; null without a pose. Also "
+        "total_ms, and of each stage the time, as edges_ms."
     )
     samples: list[PoseSample]
     heights: HeightPairs | None = Field(description="null without telemetry.")

@@ -1,0 +1,1 @@
+"""Commands that make a bundle of a frame, and read one again."""

@@ -1,0 +1,1 @@
+"""Flights: orders, results, figures, pictures, exports."""

@@ -1,0 +1,1 @@
+"""The workbench: parameters, looks at a frame under others, sweeps, presets, bundles."""
