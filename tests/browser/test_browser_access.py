@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from itertools import groupby, pairwise
 from typing import Any
 
 import pytest
 from browser_support import STILL, set_up_reading
+from camera_page import calibrate_on
 from playwright.sync_api import Page, expect
 
 #: The last stands for the page of a flight that is done.
-PAGES = ("/design?rows=25&cols=25", "/diagnose", "/flights", "flight")
+PAGES = ("/design?rows=25&cols=25", "/diagnose", "/flights", "/cameras", "flight")
 LOOKS = [(width, theme) for width in (1280, 390) for theme in ("light", "dark")]
 
 # Elements that a user operates or reads, without those that are hidden.
@@ -100,18 +100,40 @@ def test_names_contrast_and_width(
         page.locator("#charts").scroll_into_view_if_needed()
         chart = page.locator("[data-ref=space] .main-svg").first
         expect(chart).to_be_attached(timeout=120_000)
+    elif path == "/cameras":
+        calibrate_on(page)
     elif path == "/flights":
         expect(page.locator("#order")).to_be_visible()
     elif path.startswith("/diagnose"):
         set_up_reading(page)
         page.get_by_label("Choose pictures").set_input_files(STILL)
         expect(page.locator("#verdict")).to_contain_text("Pose found")
+        expect(page.locator("#workbench .stage-row-blue .tile").last).to_be_visible()
     else:
         expect(page.locator("#pad-facts")).to_contain_text("25 × 25")
     assert page.evaluate(_NAMELESS) == []
     assert page.evaluate(_FAINT) == []
     assert page.evaluate(_OVERFLOWING) == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_a_key_lists_the_keys(open_page: Callable[..., Page], address: str, path: str) -> None:
+    page = open_page(address, width=390)
+    dialog = page.get_by_role("dialog", name="Keys")
+    expect(dialog).to_be_hidden()
+    page.keyboard.press("?")
+    expect(dialog).to_be_visible()
+    expect(dialog).to_contain_text("this list")
+    assert page.evaluate(_NAMELESS) == []
+    assert page.evaluate(_FAINT) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+    page.get_by_role("button", name="Keys", exact=True).click()
+    expect(dialog).to_be_visible()
+    dialog.get_by_role("button", name="Close").click()
+    expect(dialog).to_be_hidden()
 
 
 @pytest.mark.parametrize("path", PAGES)
@@ -161,33 +183,6 @@ def test_tab_reaches_everything_in_reading_order_with_a_visible_focus(
             # Neighbours in a row may differ a little in height, and a column may follow.
             below = after["top"] >= before["top"] - 40
             assert below or after["left"] >= before["right"], (before, after)
-
-
-def test_the_enlarged_view_keeps_the_focus_and_gives_it_back(
-    open_page: Callable[..., Page],
-) -> None:
-    page = open_page("/diagnose")
-    set_up_reading(page)
-    page.get_by_label("Choose pictures").set_input_files(STILL)
-    opener = page.get_by_role("button", name="Enlarge Edges, red")
-    opener.focus()
-    page.keyboard.press("Enter")
-    dialog = page.get_by_role("dialog")
-    expect(dialog.get_by_role("heading")).to_have_text("Edges")
-    for key, title in (("ArrowRight", "Lines"), ("ArrowRight", "Grid"), ("PageUp", "Lines")):
-        page.keyboard.press(key)
-        expect(dialog.get_by_role("heading")).to_have_text(title)
-    for wish in ("Blue", "Both", "Red"):
-        page.keyboard.press("c")
-        expect(dialog.get_by_role("radio", name=wish)).to_be_checked()
-    page.keyboard.press("+")
-    page.keyboard.press("ArrowRight")
-    expect(dialog.get_by_role("heading")).to_have_text("Lines")
-    page.keyboard.press("0")
-    expect(page).not_to_have_url(re.compile("at="))
-    page.keyboard.press("Escape")
-    expect(dialog).to_be_hidden()
-    expect(opener).to_be_focused()
 
 
 def test_the_theme_switch_outlives_a_reload(open_page: Callable[..., Page]) -> None:

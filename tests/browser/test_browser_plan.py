@@ -104,12 +104,13 @@ def test_advice_becomes_a_pad_on_the_design_page(plan: Page) -> None:
     expect(plan.locator("#wish-high_mm-error")).to_contain_text("more than the lowest")
     plan.get_by_label("Highest").fill("900")
     plan.get_by_label("Off the centre").fill("0")
+    expect(facts).to_have_attribute("aria-busy", "false")
     expect(facts).to_contain_text("one layer")
     cells = re.search(r"(\d+) × \d+, ([\d.]+) mm", facts.inner_text())
     assert cells
     plan.get_by_role("link", name="Design this pad").click()
     expect(plan).to_have_url(re.compile("/design"))
-    expect(plan.get_by_label("Rows")).to_have_value(cells[1])
+    expect(plan.get_by_label("Rows", exact=True)).to_have_value(cells[1])
     expect(plan.get_by_label("Red cell")).to_have_value(cells[2])
     expect(plan.get_by_label("Blue : red")).to_have_value("1")
 

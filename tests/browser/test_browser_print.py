@@ -16,11 +16,7 @@ from browser_support import Complaints
 from playwright.sync_api import Page, expect
 from strip_photo import strip_photo
 
-from padstudio.pad.coverage.pinhole import View
-from padstudio.pad.coverage.spans import METHOD_LIMITS, cells_needed
-
 SMALL = "/design?rows=30&cols=20&ratio=2&cell_mm=15&quiet_mm=12&name=sheets"
-CAMERA = "preset-dji-mini-27k"
 
 
 def _facts(page: Page, within: str) -> dict[str, str]:
@@ -38,29 +34,17 @@ def test_sheets_follow_the_form_and_the_address(open_page: Callable[..., Page]) 
     page = open_page(SMALL)
     facts = _plan(page)
     # 324 mm x 474 mm; the cell edges that fit leave two columns of two sheets.
-    assert facts["Sheets"] == "4, A4 portrait"
+    assert facts["Sheets"] == "4 of paper size A4, portrait"
     assert (facts["One red cell"], facts["One blue cell"]) == ("15 mm", "30 mm")
     expect(page.locator("#sheet-preview .sheet")).to_have_count(4)
-    page.get_by_label("Paper", exact=True).select_option("A2")
+    page.get_by_label("Paper size").select_option("A2")
     expect(page.locator("#sheet-preview .sheet")).to_have_count(1)
     page.get_by_label("Joints").select_option("overlap")
     page.get_by_label("Overlap").fill("25")
     expect(page).to_have_url(re.compile(r"paper=A2&joint=overlap&overlap_mm=25"))
     page.reload()
     expect(page.get_by_label("Overlap")).to_have_value("25")
-    assert _plan(page)["Sheets"].startswith("1, A2")
-
-
-def test_heights_are_told_for_the_chosen_camera(open_page: Callable[..., Page]) -> None:
-    page = open_page(SMALL)
-    page.get_by_label("Heights read with").select_option(CAMERA)
-    facts = page.locator("#print-panel [data-ref=facts]")
-    # So many cells of 15 mm across 1530 px at f = 1886 px, as docs/simulation.md has it.
-    view = View(width_px=2720, height_px=1530, focal_px=1886.0)
-    low = cells_needed(5, 2, (30, 20), view, METHOD_LIMITS["dense"]) * 15 / (1530 / 1886.0)
-    expect(facts).to_contain_text(re.compile(rf"Red layer\s*{low:.1f}"))
-    expect(facts).to_contain_text("Blue layer")
-    expect(page).to_have_url(re.compile(f"camera={CAMERA}"))
+    assert _plan(page)["Sheets"].startswith("1 of paper size A2")
 
 
 @pytest.mark.parametrize(
@@ -89,8 +73,8 @@ def test_a_sheet_smaller_than_its_margins_is_explained(
     expect(fault).to_contain_text("take smaller margins")
     page.get_by_label("Printer margin").fill("5")
     expect(fault).to_be_empty()
-    page.get_by_label("Paper", exact=True).select_option("custom")
-    page.get_by_label("Sheet, mm").fill("600 × 500")
+    page.get_by_label("Paper size").select_option("custom")
+    page.get_by_label("Width × height, mm").fill("600 × 500")
     expect(page.locator("#sheet-preview .sheet")).to_have_count(1)
 
 

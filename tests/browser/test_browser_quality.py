@@ -51,7 +51,9 @@ def _tell(page: Page, frames: frozenset[int]) -> Iterator[None]:
         else:
             route.fulfill(response=response)
 
-    page.route("**/api/v1/detect/*", answer)
+    # Kept answers, and those that the workbench asks for.
+    for name in ("detect/*", "looks"):
+        page.route(f"**/api/v1/{name}", answer)
     for name in ("summary", "timeline*", "figures*", "frames*", "frames/*", "frames/*/stages*"):
         page.route(f"**/api/v1/flights/*/{name}", answer)
     yield

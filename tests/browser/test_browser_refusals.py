@@ -17,13 +17,13 @@ from playwright.sync_api import Page, expect
 @pytest.mark.parametrize(
     ("label", "value", "says"),
     [
-        ("Window b", "40", "from 2 to 16"),
+        ("Window (b × b)", "40", "from 2 to 16"),
         ("Rows", "1000000", "from 2 to 300"),
         ("Rows", "3", "At least 5 rows"),
         ("Columns", "12.5", "whole number"),
         ("Red cell", "", "enter a number"),
         ("Blue : red", "90", "At most 25"),
-        ("Window b", "3", "only 128 codes"),
+        ("Window (b × b)", "3", "only 128 codes"),
     ],
 )
 def test_a_field_out_of_bounds_says_so_beside_it(
@@ -59,11 +59,11 @@ def test_a_pad_that_the_server_cannot_make_is_explained(
         "**/pads/preview", lambda route: route.fulfill(status=422, json={"error": error}), times=1
     )
     page.locator("#spec-form summary").click()
-    page.get_by_label("Distance").fill("9")
+    page.get_by_label("Least distance").fill("9")
     message = page.locator("#viewer [data-ref=message]")
     expect(message).to_have_text("The search ended at 3 of 9.")
     expect(page.locator("#distance-error")).to_contain_text(beside)
-    page.get_by_label("Distance").fill("1")
+    page.get_by_label("Least distance").fill("1")
     expect(page.locator("#pad-facts")).to_contain_text("25 × 25")
     expect(message).to_be_empty()
 
@@ -121,7 +121,7 @@ def test_pictures_that_cannot_be_read_are_explained_and_the_rest_goes_on(
     for name, reason in reasons.items():
         page.locator("#frames li", has_text=name).locator("[data-ref=open]").click()
         expect(page.locator("[data-ref=refusal]")).to_contain_text(re.compile(reason, re.I))
-        expect(page.locator("#stages")).to_be_hidden()
+        expect(page.locator("#workbench")).to_be_hidden()
 
 
 def test_a_picture_without_the_pad_says_where_it_failed_and_why(
@@ -133,7 +133,7 @@ def test_a_picture_without_the_pad_says_where_it_failed_and_why(
     expect(page.locator("#verdict")).to_have_text(re.compile(r"No pose: .+ at stage \w+"))
     failures = page.locator("[data-ref=failure-list] li")
     expect(failures.first).to_contain_text(re.compile(r"\d"))
-    expect(page.locator("#stages [data-failed]").first).to_be_visible()
+    expect(page.locator("#workbench .tile[data-failed]").first).to_be_visible()
     expect(page.locator("[data-ref=figures]")).to_be_hidden()
 
 
@@ -141,9 +141,9 @@ def test_a_link_to_a_result_that_is_gone(
     open_page: Callable[..., Page], complaints: Complaints
 ) -> None:
     complaints.expected = {404}
-    page = open_page("/diagnose?trace=0123456789abcdef&stage=lines")
+    page = open_page("/diagnose?trace=0123456789abcdef&view=red-lines")
     expect(page.locator("#status")).to_have_class(re.compile("notice-bad"))
-    expect(page.get_by_role("dialog")).to_be_hidden()
+    expect(page.locator("#workbench")).to_be_hidden()
 
 
 def test_a_server_that_does_not_answer(

@@ -28,6 +28,7 @@ def _facts(page: Page, ref: str) -> dict[str, str]:
 @pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (390, "dark")])
 def test_tour(open_page: Callable[..., Page], tmp_path: Path, width: int, theme: str) -> None:
     page = open_page("/", width=width, theme=theme)
+    page.get_by_role("link", name="Design", exact=True).click()
     expect(page).to_have_url(re.compile("/design$"))
     _design_and_download(page, tmp_path)
     page.get_by_role("link", name="Diagnose").click()
@@ -37,7 +38,7 @@ def test_tour(open_page: Callable[..., Page], tmp_path: Path, width: int, theme:
 
 def _design_and_download(page: Page, folder: Path) -> None:
     page.get_by_label("Name").fill("tour pad")
-    page.get_by_label("Rows").fill("40")
+    page.get_by_label("Rows", exact=True).fill("40")
     page.get_by_label("Columns").fill("30")
     facts = page.locator("#pad-facts")
     expect(facts).to_contain_text("300 × 400 mm")
@@ -63,24 +64,17 @@ def _read_a_frame(page: Page) -> None:
     position = [float(facts[axis].split()[0].replace("−", "-")) for axis in "XYZ"]
     assert math.dist(position, _truth_mm(STILL)) < 20
     expect(page.locator("[data-ref=words]")).to_contain_text("above the pad")
-    result = page.locator("[data-ref=picture]")
-    expect(result).to_be_visible()
-    page.wait_for_function("image => image.naturalWidth > 0", arg=result.element_handle())
 
 
 def _look_at_every_stage(page: Page) -> None:
     for stage in CHANNEL_STAGES:
-        card = page.locator(f"#stages [data-stage={stage}]").first
         for channel in ("red", "blue"):
-            card.get_by_role(
-                "button", name=re.compile(f"Enlarge .*{channel}")
-            ).scroll_into_view_if_needed()
-        page.wait_for_function(
-            "card => [...card.querySelectorAll('img')].every(image => image.naturalWidth > 0)",
-            arg=card.element_handle(),
-        )
+            tile = page.locator(f".tile[data-view='{channel}/{stage}']")
+            tile.scroll_into_view_if_needed()
+            expect(tile.locator("canvas")).to_be_visible()
     for stage in ("stretch", "denoise", "choose", "pose"):
-        expect(page.locator(f"#stages [data-stage={stage}] img").first).to_have_count(1)
+        expect(page.locator(f".tile[data-view='/{stage}']")).to_have_count(1)
+    expect(page.locator("#workbench [data-ref=busy]")).to_be_hidden()
 
 
 def test_the_sample_is_read_at_one_click(open_page: Callable[..., Page]) -> None:
@@ -94,23 +88,20 @@ def test_the_sample_is_read_at_one_click(open_page: Callable[..., Page]) -> None
     expect(page.locator("[data-ref=failure-list]")).to_contain_text(re.compile(r"\d"))
 
 
-def test_a_reload_brings_the_result_and_the_enlarged_stage_back(
-    open_page: Callable[..., Page],
-) -> None:
+def test_a_reload_brings_the_result_and_the_view_back(open_page: Callable[..., Page]) -> None:
     page = open_page("/diagnose")
     set_up_reading(page)
     page.get_by_label("Choose pictures").set_input_files(STILL)
-    page.get_by_role("button", name="Enlarge Lines, blue").click()
-    dialog = page.get_by_role("dialog")
-    expect(dialog).to_contain_text("Lines")
+    page.get_by_role("button", name="Look at Lines, blue").click()
+    title, zoom = (page.locator(f".bench-bar [data-ref={name}]") for name in ("title", "zoom"))
+    expect(title).to_have_text("Lines, blue")
+    page.locator("#workbench [data-ref=focus]").focus()
     page.keyboard.press("+")
-    expect(page).to_have_url(re.compile("trace=.*stage=lines.*channel=blue.*at="))
-    zoom = dialog.locator("[data-ref=zoom]").inner_text()
+    expect(page).to_have_url(re.compile("trace=.*view=blue-lines.*at="))
+    shown = zoom.inner_text()
     page.reload()
-    expect(dialog).to_contain_text("Lines")
-    expect(dialog.locator("[data-ref=zoom]")).to_have_text(zoom)
-    expect(dialog.get_by_role("radio", name="Blue")).to_be_checked()
-    page.keyboard.press("Escape")
+    expect(title).to_have_text("Lines, blue")
+    expect(zoom).to_have_text(shown)
     expect(page.locator("#verdict")).to_contain_text("Pose found")
     expect(page.get_by_label("Camera", exact=True).locator("option:checked")).to_contain_text(
         "drone_half"

@@ -5,11 +5,18 @@
  * @typedef {import("../shared/viewportLogic.js").Viewport} Viewport
  * @typedef {import("../server/api.js").CameraSummary} CameraSummary
  *
+ * @typedef {object} Grown
+ * @property {string} code  what its code depends on, as `codeOf`
+ * @property {import("./padLogic.js").PadFile} file  at the size shown
+ * @property {PadView} view
+ * @property {import("./verificationLogic.js").Verification | null} verification
+ *
  * @typedef {object} State
  * @property {Record<string, string>} texts  the form
  * @property {string | null} savedId  the stored pad that is shown
  * @property {[number, number]} scale  its measured size over its nominal size
  * @property {PadView | null} pad  what is shown; the last good one while a new one grows
+ * @property {Grown | null} grown  the pad that came from the server last, whatever is shown
  * @property {import("../server/planApi.js").PadBounds | null} bounds
  * @property {import("./verificationLogic.js").Verification | null} verification
  * @property {boolean} verifying
@@ -32,18 +39,19 @@
  * @property {import("../shared/components/status.js").Status} status
  */
 
-import { readAddress, writeAddress } from "../shared/address.js";
+import { addressKeeper, readAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
 import { fieldFaults, isAbort, messageOf } from "../server/request.js";
-import { tableSizes, textsOfPad } from "./designLogic.js";
 import { makeDesignView } from "./designView.js";
-import { viewOfPad } from "./padLogic.js";
+import { resizedFile, resizedView, viewOfPad } from "./padLogic.js";
 import * as planApi from "../server/planApi.js";
 import { makeSheetAndCoverageQueries } from "./sheetAndCoverageQueries.js";
-import { fileQuery, keptStrip, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
+import { fileQuery, parsePrint, printFromQuery, printToQuery, shapeOfPad } from "./printLogic.js";
 import { makePrintActions } from "./printActions.js";
-import { parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
+import { makeStoredPads } from "./storedPads.js";
+import { codeOf, parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
 import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
+import { mountFooter } from "../shared/components/footer.js";
 
 const address = readAddress();
 
@@ -53,6 +61,7 @@ const state = {
   savedId: address.get("pad"),
   scale: [1, 1],
   pad: null,
+  grown: null,
   bounds: null,
   verification: null,
   verifying: false,
@@ -77,7 +86,7 @@ const state = {
 
 const view = makeDesignView({
   onInput,
-  onSave: () => void save(),
+  onSave: () => void stored.save(),
   onViewport: (viewport) => set({ viewport }),
   onView: (view) => set({ view }),
   onPair: (pair) => set({ pair, ...(pair === null ? {} : { viewport: null }) }),
@@ -90,20 +99,21 @@ const view = makeDesignView({
     const { options } = parsePrint(state.print);
     if (options) void printActions.fetchFile(form, fileQuery(form, options));
   },
-  onOpen,
-  onDelete,
-  onImport: (file) => void importFile(file),
+  onOpen: (id) => stored.open(id),
+  onDelete: (id) => void stored.remove(id),
+  onImport: (file) => void stored.take(file),
 });
 const queries = makeSheetAndCoverageQueries({
   onPlan: (plan, planFault) => set({ plan, planFault }),
   onChart: (chart) => set({ chart }),
 });
 
+const stored = makeStoredPads({ state: () => state, set, specOf, begin, showPad, tellBounds });
 const printActions = makePrintActions({
-  padId: save,
+  padId: stored.save,
   onChange: async (change) => {
     set(change);
-    await refreshList();
+    await stored.list();
   },
   onStatus: (status) => set({ status }),
 });
@@ -111,25 +121,28 @@ const printActions = makePrintActions({
 /** @type {AbortController | null} */
 let running = null;
 let timer = 0;
-let addressTimer = 0;
+const keepAddress = addressKeeper(toAddress);
 
 /** @param {Partial<State>} change */
 function set(change) {
   Object.assign(state, change);
   render();
-  // Browsers limit how often the address may change; a drag changes it at every frame.
-  window.clearTimeout(addressTimer);
-  addressTimer = window.setTimeout(writeState, 200);
+  keepAddress();
 }
 
-function writeState() {
-  writeAddress({
+function toAddress() {
+  return {
     ...(state.savedId ? { pad: state.savedId } : specToQuery(state.texts)),
     ...printToQuery(state.print),
     camera: state.camera,
     view: state.view === "print" ? null : state.view,
     at: viewportToText(state.viewport),
-  });
+  };
+}
+
+/** @returns {import("./specLogic.js").PadSpec | null} the form's */
+function specOf() {
+  return parseSpec(state.texts, view.bounds).spec;
 }
 
 function render() {
@@ -141,11 +154,27 @@ function render() {
 /** @param {Record<string, string>} texts */
 function onInput(texts) {
   set({ texts, savedId: null, scale: [1, 1], strip: null, stale: true, refused: {}, status: null });
-  schedulePreview();
+  if (!resize()) schedulePreview();
+}
+
+/**
+ * Size, margin and name change no code: what was grown is shown at its new size.
+ * @returns {boolean}  whether the form asks for no more than that
+ */
+function resize() {
+  const spec = specOf();
+  const { grown } = state;
+  if (!spec || !grown || grown.code !== codeOf(spec)) return false;
+  window.clearTimeout(timer);
+  if (state.busy) begin();
+  const file = resizedFile(grown.file, spec);
+  take(file, resizedView(grown.view, file), grown.verification);
+  set({ busy: false });
+  return true;
 }
 
 function schedulePreview() {
-  const { spec } = parseSpec(state.texts, view.bounds);
+  const spec = specOf();
   window.clearTimeout(timer);
   running?.abort();
   if (spec) timer = window.setTimeout(() => void preview(spec), previewDelay(spec));
@@ -183,116 +212,39 @@ function begin() {
 
 /**
  * @param {import("./padLogic.js").PadFile} file
+ * @param {PadView} pad
  * @param {import("./verificationLogic.js").Verification | null} verification
  */
-function showPad(file, verification) {
-  const pad = viewOfPad(file);
+function take(file, pad, verification) {
   const old = state.pad;
   const resized = old && (pad.widthMm !== old.widthMm || pad.heightMm !== old.heightMm);
   const seen = resized ? { viewport: null } : {};
-  set({ pad, verification, pair: null, fault: "", stale: false, ...seen });
+  const spec = specOf();
+  const grown = spec && { code: codeOf(spec), file, view: pad, verification };
+  set({ pad, grown, verification, fault: "", stale: false, ...seen });
 }
 
-/** @param {unknown} error */
-function fail(error) {
-  set({ status: { kind: "bad", text: messageOf(error) } });
+/**
+ * @param {import("./padLogic.js").PadFile} file
+ * @param {import("./verificationLogic.js").Verification | null} verification
+ */
+function showPad(file, verification) {
+  take(file, viewOfPad(file), verification);
+  set({ pair: null });
 }
 
-/** @param {() => Promise<void>} act */
-async function attempt(act) {
+async function listCameras() {
   try {
-    await act();
+    set({ cameras: await api.listCameras() });
   } catch (error) {
-    fail(error);
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
-
-/** @returns {Promise<string | null>} the stored pad's id */
-async function save() {
-  if (state.savedId) return state.savedId;
-  const { spec } = parseSpec(state.texts, view.bounds);
-  if (!spec || state.saving) return null;
-  set({ saving: true, status: { kind: "quiet", text: "Saving …" } });
-  try {
-    const { id, name } = await api.createPad(spec);
-    await refreshList();
-    set({ savedId: id, status: { kind: "ok", text: `Saved “${name}”.` } });
-    if (state.stale) await openPad(id);
-    return id;
-  } catch (error) {
-    fail(error);
-    return null;
-  } finally {
-    set({ saving: false });
-  }
-}
-
-/** @param {string} id */
-async function openPad(id) {
-  const mine = begin();
-  set({ busy: true });
-  try {
-    const { pad, ...summary } = await api.getPad(id);
-    if (mine.signal.aborted) return;
-    const print = { scale: summary.scale, strip: keptStrip(summary) };
-    set({ savedId: id, ...print, texts: textsOfPad(summary, pad), bounds: null });
-    showPad(pad, null);
-  } catch (error) {
-    set({ savedId: null });
-    fail(error);
-  }
-  set({ busy: false });
-  if (state.savedId === id) await verify(id, mine.signal);
-}
-
-/** @param {string} id @param {AbortSignal} signal */
-async function verify(id, signal) {
-  set({ verifying: true });
-  try {
-    const { spec } = parseSpec(state.texts, view.bounds);
-    if (spec) await tellBounds(spec, signal);
-    const { verification } = await planApi.verifyPad(id, signal);
-    if (state.savedId === id) set({ verification });
-  } catch (error) {
-    if (!isAbort(error)) fail(error);
-  }
-  set({ verifying: false });
-}
-
-/** @param {string} id */
-function onOpen(id) {
-  // At once, so that nothing is done to the pad before it.
-  set({ savedId: id, viewport: null, status: null });
-  void openPad(id);
-}
-
-/** @param {string} id */
-async function onDelete(id) {
-  await attempt(async () => {
-    await api.deletePad(id);
-    if (state.savedId === id) set({ savedId: null, scale: [1, 1], strip: null });
-    set({ status: { kind: "ok", text: "Deleted the pad." } });
-  });
-  await refreshList();
-}
-
-/** @param {File} file */
-const importFile = (file) =>
-  attempt(async () => {
-    const isPad = /\.json$/i.test(file.name);
-    const { id, name } = await api.importPad(file, isPad ? {} : tableSizes(state.texts));
-    await refreshList();
-    onOpen(id);
-    set({ status: { kind: "ok", text: `Imported “${name}”.` } });
-  });
-
-const refreshList = () => attempt(async () => set({ pads: (await api.listPads()).items }));
-
-const listCameras = () => attempt(async () => set({ cameras: await api.listCameras() }));
 
 document.addEventListener("themechange", render);
 render();
-void refreshList();
+void stored.list();
 void listCameras();
-if (state.savedId) void openPad(state.savedId);
+if (state.savedId) void stored.show(state.savedId);
 else schedulePreview();
+mountFooter();

@@ -23,7 +23,7 @@ export function boundsInWords(bounds, mostCells) {
   return {
     possible: bigNumber(bounds.log10_possible ?? 0),
     capacity: `${number(needed)} of ${most === null ? "none" : bigNumber(most)}`,
-    largest: side >= mostCells ? "as large as may be" : `${number(side)} × ${number(side)}`,
+    largest: side >= mostCells ? "as large as may be" : `${number(side)} × ${number(side)} cells`,
     outlook: isLong ? "Near the bound: the search may take long, or not end in its time." : "",
   };
 }
@@ -48,19 +48,21 @@ export function sheetInWords(spec) {
 
 /**
  * @param {PadView} pad
- * @returns {[string, string][]}
+ * @param {string | null} [id]  under which the server keeps it
+ * @returns {import("../shared/components/facts.js").Facts}
  */
-export function padFacts(pad) {
-  /** @type {[string, string][]} */
+export function padFacts(pad, id) {
+  /** @type {import("../shared/components/facts.js").Facts} */
   const facts = [["Size", size(pad.widthMm, pad.heightMm)]];
   if (pad.quietMm) facts.push(["Quiet margin", `${compact(pad.quietMm, 2)} mm`]);
-  facts.push(["Window, levels", `${pad.window} × ${pad.window}, ${pad.levels}`]);
+  facts.push(["Window", `${pad.window} × ${pad.window} cells`], ["Grey levels", String(pad.levels)]);
   for (const layer of pad.layers) {
     const name = layer.channel.charAt(0).toUpperCase() + layer.channel.slice(1);
     facts.push([`${name} cells`, `${layer.cols} × ${layer.rows}, ${compact(layer.cellMm, 3)} mm`]);
     const bright = 100 * (levelShares(layer, pad.levels).at(-1) ?? 0);
     facts.push([`${name} at full level`, `${number(bright, 1)} %`]);
   }
+  if (id) facts.push(["Pad's id", id, id]);
   return facts;
 }
 

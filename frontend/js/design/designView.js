@@ -31,6 +31,7 @@ import { mountSheetPreview } from "./components/sheetPreview.js";
 import { mountSpecForm } from "./components/specForm.js";
 import { mountStatus } from "../shared/components/status.js";
 import { mountVerificationPanel } from "./components/verificationPanel.js";
+import { mountViewChart } from "./components/viewChart.js";
 import { deadBandInWords, heightFacts, ofMethod } from "../shared/coverageLogic.js";
 import { boundsInWords, padFacts, sheetInWords } from "./designLogic.js";
 import { cameraGroups } from "../shared/readingLogic.js";
@@ -47,7 +48,9 @@ export function makeDesignView(events) {
   const check = mountVerificationPanel(byId("verification"), events);
   const print = mountPrintPanel(byId("print-panel"), { ...events, onInput: events.onPrint });
   const sheets = mountSheetPreview(byId("sheet-preview"));
-  const camera = mountOptions(byId("print-camera"), { onChoose: events.onCamera });
+  const camera = mountOptions(byId("view-camera"), { onChoose: events.onCamera });
+  const chart = mountViewChart(byId("seen"));
+  const heights = mountFacts(byId("seen-heights"));
   const downloads = mountDownloads(byId("downloads"), events);
   const stripDownload = mountDownloads(byId("strip-download"), events);
   const padList = mountPadList(byId("pad-list"), events);
@@ -82,12 +85,16 @@ export function makeDesignView(events) {
       const message = state.fault || invitation;
       viewer.update({ pad, view, viewport, busy, message, pair: chosenPair(state) });
       strip.update({ pad, view });
-      facts.update(pad ? padFacts(pad) : []);
+      facts.update(pad ? padFacts(pad, savedId) : []);
       check.update({ check: state.verification, pair: state.pair, busy: state.verifying });
       print.update({ ...printState(state), errors: printed.errors });
       sheets.update({ pad, plan: state.plan });
       const { stored, presets } = state.cameras;
       camera.update({ groups: cameraGroups(stored, presets), chosen: state.camera });
+      const dense = ofMethod(state.chart, "dense");
+      chart.update({ pad, chart: state.chart, camera: state.camera });
+      heights.update(pad && dense ? heightFacts(dense) : []);
+      byId("seen-warning").textContent = pad ? deadBandInWords(dense) : "";
       const enabled = Boolean(spec ?? savedId) && !saving && Boolean(printed.options);
       downloads.update({ enabled });
       stripDownload.update({ enabled });
@@ -100,17 +107,14 @@ export function makeDesignView(events) {
 
 /** @param {State} state */
 function printState(state) {
-  const { pad, plan, chart } = state;
-  const dense = ofMethod(chart, "dense");
+  const { pad, plan } = state;
   return {
     texts: state.print,
     fault: state.planFault,
     facts: [
       ...(plan ? planFacts(plan) : []),
       ...(pad ? cellFacts(pad, state.scale) : []),
-      ...(pad && dense ? heightFacts(dense) : []),
     ],
-    warning: deadBandInWords(dense),
     rulers: rulerTexts(state.scale),
     isSaved: Boolean(state.savedId),
     strip: state.strip && stripInWords(state.strip),

@@ -44,8 +44,7 @@ export function viewOfPad(file) {
     window: file.window,
     levels: file.levels,
     quietMm: file.quiet_mm ?? 0,
-    widthMm: Math.max(...layers.map((layer) => layer.cols * layer.cellMm)),
-    heightMm: Math.max(...layers.map((layer) => layer.rows * layer.cellMm)),
+    ...extentOf(layers),
     layers,
   };
 }
@@ -58,10 +57,49 @@ function levelsOf(codes) {
   const levels = new Uint8Array(codes.length * codes[0].length);
   let place = 0;
   for (const row of codes) {
-    for (const digit of row) levels[place++] = Number.parseInt(digit, 36);
+    for (let at = 0; at < row.length; at += 1) {
+      // "0" is 48, "a" is 97: a loop over a million cells that a drag waits for.
+      const code = row.charCodeAt(at);
+      levels[place++] = code < 58 ? code - 48 : (code | 32) - 87;
+    }
   }
   return levels;
 }
+
+/**
+ * A pad file of the same code at another size.
+ * @param {PadFile} file
+ * @param {{name: string, cell_mm: number, quiet_mm: number}} sizes  the side of the finest cell
+ * @returns {PadFile}  of a print that nobody measured yet
+ */
+export function resizedFile(file, { name, cell_mm, quiet_mm }) {
+  const finest = Math.min(...file.layers.map((layer) => layer.cell_mm));
+  const layers = file.layers.map((layer) => {
+    const ratio = layer.cell_mm / finest;
+    const whole = Math.round(ratio);
+    // Fractions such as 2.1 / 0.7 are not whole in the computer.
+    return { ...layer, cell_mm: (Math.abs(ratio - whole) < 1e-9 ? whole : ratio) * cell_mm };
+  });
+  const { scale, crosstalk, ...kept } = /** @type {PadFile & Record<string, unknown>} */ (file);
+  return { ...kept, name, quiet_mm, layers };
+}
+
+/**
+ * What is drawn of the resized file, without reading its codes again.
+ * @param {PadView} pad
+ * @param {PadFile} file  from `resizedFile`
+ * @returns {PadView}
+ */
+export function resizedView(pad, file) {
+  const layers = pad.layers.map((layer, place) => ({ ...layer, cellMm: file.layers[place].cell_mm }));
+  return { ...pad, name: file.name, quietMm: file.quiet_mm ?? 0, layers, ...extentOf(layers) };
+}
+
+/** @param {LayerView[]} layers @returns {{widthMm: number, heightMm: number}} */
+const extentOf = (layers) => ({
+  widthMm: Math.max(...layers.map((layer) => layer.cols * layer.cellMm)),
+  heightMm: Math.max(...layers.map((layer) => layer.rows * layer.cellMm)),
+});
 
 /**
  * RGBA pixels of one layer, one pixel a cell; the other channels are dark.
@@ -147,14 +185,22 @@ export function padFrame(pad, x, y) {
   return { x: x - pad.quietMm - pad.widthMm / 2, y: pad.heightMm / 2 - (y - pad.quietMm) };
 }
 
+/** @type {WeakMap<Uint8Array, number[]>} */
+const counted = new WeakMap();
+
 /**
- * Share of cells at each level.
+ * Share of cells at each level; counted once, as every change of the page asks for it.
  * @param {LayerView} layer
  * @param {number} levels
  * @returns {number[]}
  */
 export function levelShares(layer, levels) {
-  const counts = new Array(levels).fill(0);
-  for (const level of layer.levels) counts[level] += 1;
-  return counts.map((count) => count / layer.levels.length);
+  let shares = counted.get(layer.levels);
+  if (!shares) {
+    const counts = new Array(levels).fill(0);
+    for (const level of layer.levels) counts[level] += 1;
+    shares = counts.map((count) => count / layer.levels.length);
+    counted.set(layer.levels, shares);
+  }
+  return shares;
 }

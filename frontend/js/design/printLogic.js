@@ -137,11 +137,12 @@ export function shapeOfPad(pad) {
  * @returns {[string, string][]}
  */
 export function planFacts(plan) {
-  const paper = plan.paper === "own size" ? "own size" : `${plan.paper} ${plan.orientation}`;
+  const paper = plan.paper === "own size" ? "the pad's own size" : `paper size ${plan.paper}, ${plan.orientation}`;
   const page = size(...plan.page_mm);
-  if (plan.count === 1) return [["Sheets", `1, ${paper}`], ["Paper", size(...plan.paper_mm)]];
+  if (plan.count === 1) return [["Sheets", `1 of ${paper}`], ["Paper", size(...plan.paper_mm)]];
   return [
-    ["Sheets", `${number(plan.count)}, ${paper}`],
+    ["Sheets", `${number(plan.count)} of ${paper}`],
+    ["Sheet names", `${plan.sheets[0].name} to ${plan.sheets[plan.sheets.length - 1].name}`],
     ["Joined", `${plan.rows} × ${plan.cols} sheets, ${page}`],
     ["Total paper", `${compact(plan.paper_m2, 2)} m²`],
     ["Seams", plan.on_cells ? "on cell edges" : "through cells"],

@@ -89,6 +89,15 @@ function numberFault({ least, most, whole, label }, text) {
 }
 
 /**
+ * What a pad's code depends on: two specs with the same are the same code at two sizes.
+ * @param {PadSpec} spec
+ * @returns {string}
+ */
+export function codeOf({ name, cell_mm, quiet_mm, ...rest }) {
+  return JSON.stringify(Object.entries(rest).sort());
+}
+
+/**
  * Faults that only two fields together have.
  * @param {PadSpec} spec
  * @returns {SpecErrors}

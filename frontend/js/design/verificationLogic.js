@@ -41,7 +41,7 @@ export function verificationFacts(check) {
   const others = check.others ?? [];
   for (const other of others) {
     const words = other.unique_under_rotation ? "in all rotations" : "as printed";
-    const distance = `${words}, ≥ ${leastDistance(other)}`;
+    const distance = `${words}, ≥ ${leastDistance(other)} cells`;
     facts.push([`The ${other.channel} layer's`, other.unique ? distance : "no"]);
   }
   const apart = check.apart ?? [];
@@ -70,7 +70,7 @@ function apartInWords(pair) {
     return `${number(pair.shared)} windows in both${pair.is_corner ? ": one copies the other's corner" : ""}`;
   }
   const word = pair.relation === "independent" ? "independent" : "nearer than windows of one layer";
-  return `${word}, ≥\u00a0${pair.min_distance}`;
+  return `${word}, ≥\u00a0${pair.min_distance}\u00a0cells`;
 }
 
 /** @param {Verification | OtherLayer} check */

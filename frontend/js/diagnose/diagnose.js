@@ -2,36 +2,42 @@
  * The controller of the Diagnose page: it alone holds the page's state.
  *
  * @typedef {import("../shared/queueLogic.js").Frame} Frame
- * @typedef {import("../shared/viewportLogic.js").Viewport} Viewport
  *
  * @typedef {object} OwnState
  * @property {Frame[]} frames
  * @property {string | null} selectedId
- * @property {string | null} stage  enlarged
- * @property {string} wish  the channel that is enlarged, or "both"
- * @property {Viewport | null} viewport  of the enlarged picture
+ * @property {boolean} atRest  the camera stood still
+ * @property {import("../server/tuningApi.js").Look | null} look  the selected one on the workbench
  * @property {import("../shared/components/status.js").Status} status
  *
  * @typedef {import("../shared/readingChoice.js").ReadingChoice & OwnState} State
  */
 
-import { readAddress, writeAddress } from "../shared/address.js";
+import { addressKeeper, readAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
 import { messageOf } from "../server/request.js";
+import { openBundle as openedBundle } from "../server/bundleApi.js";
+import { mountBundlePanel } from "./bundlePanel.js";
+import { queryOf } from "./bundleLogic.js";
+import { saveBundle } from "../shared/workbench/bundling.js";
 import { mountChoice } from "../shared/components/choice.js";
+import { copyText } from "../shared/components/copy.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFrameList } from "./frameList.js";
-import { mountLightbox } from "../shared/components/lightbox.js";
+import { mountMorePads } from "../shared/components/morePads.js";
 import { mountPoseReport } from "../shared/components/poseReport.js";
-import { mountStageGrid } from "../shared/components/stageGrid.js";
+import { mountShutterField } from "../shared/components/shutterField.js";
 import { mountStatus } from "../shared/components/status.js";
-import { cameraGroups, cameraNote, missing, padGroups, padNote, resultNotes } from "../shared/readingLogic.js";
+import {
+  cameraGroups, cameraNote, missing, otherPads, othersNote, padGroups, padIds, padNote, resultNotes,
+} from "../shared/readingLogic.js";
 import { makeIntake } from "../shared/intake.js";
 import * as queue from "../shared/queueLogic.js";
 import { makeReader } from "./reader.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
-import { arrangeStages, channelsOf, resultCards, stagesOf } from "../shared/stagesLogic.js";
-import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
+import { turnedFile } from "./turning.js";
+import { mountWorkbench } from "../shared/workbench/workbench.js";
+import { mountFooter } from "../shared/components/footer.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const address = readAddress();
@@ -42,9 +48,8 @@ const state = {
   ...readingChoiceFrom(address),
   frames: [],
   selectedId: null,
-  stage: address.get("stage"),
-  wish: address.get("channel") ?? "both",
-  viewport: viewportFromText(address.get("at")),
+  atRest: address.get("rest") === "1",
+  look: null,
   status: null,
 };
 
@@ -56,20 +61,24 @@ const cameraChoice = mountChoice(byId("camera-choice"), {
   onChoose: (camera) => rerun({ camera }),
   onFile: (file) => void intake.takeCamera(file),
 });
+const morePads = mountMorePads(byId("more-pads"), { onChoose: (others) => rerun({ others }) });
+const shutter = mountShutterField(byId("shutter"), {
+  onReadout: (readoutMs) => void intake.takeReadout(state.camera, readoutMs),
+});
 mountDropZone(byId("drop-zone"), { onFiles: (files) => void intake.takeFiles(files) });
 const frameList = mountFrameList(byId("frames"), { onSelect, onRemove });
 const report = mountPoseReport(byId("report"), {
-  onEnlarge: () => set({ stage: "result", viewport: null }),
+  onEnlarge: () => undefined,
   onCopy: () => void copyRecord(),
+  onBundle: makeBundle,
+  onTurn: (quarter) => void turnBack(quarter),
 });
-const grid = mountStageGrid(byId("stages"), {
-  onOpen: (stage, channel) => set({ stage, wish: channel ?? state.wish, viewport: null }),
+const workbench = mountWorkbench(byId("workbench"), {
+  onChange: () => keepAddress(),
+  onLook: (look) => set({ look, frames: state.frames.map((each) => (each.id === state.selectedId ? queue.withReading(each, look) : each)) }),
+  onStatus: (status) => set({ status }),
 });
-const lightbox = mountLightbox(byId("lightbox"), {
-  onStage: (stage) => set({ stage, ...(stage ? {} : { viewport: null }) }),
-  onWish: (wish) => set({ wish }),
-  onViewport: (viewport) => set({ viewport }),
-});
+const bundlePanel = mountBundlePanel(byId("bundle"));
 const status = mountStatus(byId("status"));
 
 const intake = makeIntake({
@@ -77,6 +86,7 @@ const intake = makeIntake({
   onPad: (pad, pads) => rerun({ pad, pads }),
   onCamera: (camera, cameras) => rerun({ camera, ...cameras }),
   onPictures: addPictures,
+  onBundle: openBundle,
   onStatus: (status) => set({ status }),
 });
 const reader = makeReader({
@@ -84,31 +94,26 @@ const reader = makeReader({
   job: () => state,
   change,
 });
-let addressTimer = 0;
-/** @type {import("../shared/stagesLogic.js").StageCard[]} */
-const NO_CARDS = [];
-/** Cards are made once an answer, so that pictures do not load anew at every change. */
-const cardsOf = memoize((/** @type {queue.DetectAnswer} */ answer) => arrangeStages(stagesOf(answer)));
-
+let isRestored = false;
+const keepAddress = addressKeeper(toAddress);
 /** @param {Partial<State>} change */
 function set(change) {
   Object.assign(state, change);
   render();
-  window.clearTimeout(addressTimer);
-  addressTimer = window.setTimeout(writeState, 200);
+  keepAddress();
 }
 
-function writeState() {
-  const { pad, camera, method, stage, wish, viewport } = state;
-  writeAddress({
+function toAddress() {
+  const { pad, others, camera, method, atRest } = state;
+  return {
     pad,
+    others: others.join(","),
     camera,
+    rest: atRest ? "1" : null,
     method: method === "dense" ? null : method,
-    trace: selected()?.answer?.trace?.id ?? null,
-    stage,
-    channel: stage ? wish : null,
-    at: stage ? viewportToText(viewport) : null,
-  });
+    trace: isRestored ? (selected()?.answer?.trace?.id ?? null) : address.get("trace"),
+    ...workbench.toAddress(),
+  };
 }
 
 const selected = () => state.frames.find((frame) => frame.id === state.selectedId) ?? null;
@@ -120,20 +125,47 @@ function render() {
   padChoice.update({ groups: padGroups(state.pads), chosen: state.pad, note: padNote(pad) });
   const groups = cameraGroups(state.stored, state.presets);
   cameraChoice.update({ groups, chosen: state.camera, note: cameraNote(camera) });
+  const others = padIds(state).slice(1);
+  const note = othersNote(others, state.method);
+  morePads.update({ options: otherPads(state.pads, state.pad), chosen: others, note });
+  shutter.update({ camera });
+  byId("at-rest").checked = state.atRest;
   for (const input of byId("method").querySelectorAll("input")) {
     input.checked = input.value === state.method;
   }
   frameList.update({ frames: state.frames, selectedId: state.selectedId });
-  report.update({ frame, notes: resultNotes(frame, camera) });
-  const cards = frame?.answer ? cardsOf(frame.answer) : NO_CARDS;
-  grid.update({ cards, channels: channelsOf(stagesOf(frame?.answer)) });
-  const all = [...cards, ...resultCards(frame?.answer?.trace?.result_picture ?? null)];
-  const { stage, wish, viewport } = state;
-  const size = frame?.answer?.image ?? { width: 16, height: 9 };
-  lightbox.update({ cards: all, stage, wish, size, viewport });
+  report.update({ frame: frame && tuned(frame), notes: resultNotes(frame, camera) });
+  bundlePanel.update(frame?.answer?.bundle ?? null);
+  const trace = frame?.answer?.trace?.id;
+  workbench.update({
+    subject: trace ? { trace } : null,
+    name: frame?.name ?? "",
+    pad: state.pad,
+    others: state.others,
+    camera: state.camera,
+    method: state.method,
+    params: state.atRest ? { refine: { at_rest: true } } : {},
+    padName: pad?.name ?? "",
+    cameraName: camera?.name ?? "",
+  });
   byId("welcome").hidden = state.frames.length > 0;
   byId("missing").textContent = missing(state);
   status.update(state.status);
+}
+
+/**
+ * A picture as it is read under the workbench's parameters.
+ * @param {Frame} frame
+ * @returns {Frame}
+ */
+function tuned(frame) {
+  const { answer } = frame;
+  if (!answer?.trace || !state.look || frame.status === "running") return frame;
+  // The workbench shows one pad; of several pads those of the first reading are told as they are.
+  if ((answer.results?.length ?? 0) > 1 && !workbench.isChanged()) return frame;
+  const { result, image, stages } = state.look;
+  const runs = stages.map((run) => ({ ...run, picture: null, thumbnail: null }));
+  return { ...frame, answer: { ...answer, result, results: [result], image, trace: { ...answer.trace, stages: runs } } };
 }
 
 /**
@@ -144,7 +176,7 @@ function rerun(change) {
   reader.abort();
   const frames = queue.requeued(state.frames);
   const kept = frames.some((frame) => frame.id === state.selectedId);
-  set({ ...change, frames, selectedId: kept ? state.selectedId : (frames[0]?.id ?? null) });
+  set({ ...change, look: null, frames, selectedId: kept ? state.selectedId : (frames[0]?.id ?? null) });
   void reader.work();
 }
 
@@ -163,13 +195,13 @@ function addPictures(files) {
   // A picture that is being looked at stays; one that came in vain makes room.
   const kept = current && current.status !== "refused";
   const selectedId = kept ? current.id : added[0].id;
-  set({ frames: [...state.frames, ...added], selectedId, stage: null });
+  set({ frames: [...state.frames, ...added], selectedId, look: null });
   void reader.work();
 }
 
 /** @param {string} id */
 function onSelect(id) {
-  set({ selectedId: id, stage: null, viewport: null });
+  set({ selectedId: id, look: null });
 }
 
 /** @param {string} id */
@@ -177,31 +209,50 @@ function onRemove(id) {
   if (state.frames.find((frame) => frame.id === id)?.status === "running") reader.abort();
   const frames = state.frames.filter((frame) => frame.id !== id);
   const selectedId = state.selectedId === id ? (frames[0]?.id ?? null) : state.selectedId;
-  set({ frames, selectedId, stage: null });
+  set({ frames, selectedId, look: null });
 }
 
-async function copyRecord() {
+/** Turn the selected picture, which was refused as turned, and read it. @param {1 | -1} quarter */
+async function turnBack(quarter) {
+  const frame = selected();
+  if (!frame?.file || !frame.turned) return;
   try {
-    await navigator.clipboard.writeText(JSON.stringify(selected()?.answer?.result, null, 1));
-    set({ status: { kind: "ok", text: "Copied the record as JSON." } });
-  } catch {
-    set({ status: { kind: "bad", text: "The browser does not allow copying here." } });
+    const file = await turnedFile(frame.file, frame.turned, quarter);
+    const fault = queue.faultBeforeUpload(file, maxBytes);
+    change(frame.id, { ...queue.newFrame(file, fault), id: frame.id, turned: null });
+    void reader.work();
+  } catch (error) {
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 
-/**
- * @template {object} K
- * @template V
- * @param {(key: K) => V} make
- * @returns {(key: K) => V}
- */
-function memoize(make) {
-  /** @type {WeakMap<K, V>} */
-  const made = new WeakMap();
-  return (key) => {
-    if (!made.has(key)) made.set(key, make(key));
-    return /** @type {V} */ (made.get(key));
-  };
+async function makeBundle() {
+  const reading = workbench.reading();
+  const address = { ...workbench.toAddress(), rest: state.atRest ? "1" : null };
+  if (reading) await saveBundle(reading, address, (status) => set({ status }));
+}
+
+/** Open a bundle at the very view where it was made. @param {File} file */
+async function openBundle(file) {
+  const answer = await openedBundle(file);
+  const { pad, others, camera, method, params } = answer.bundle;
+  const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
+  reader.abort();
+  workbench.restore(queryOf(answer.bundle));
+  const frame = queue.frameOfAnswer(answer);
+  set({
+    pads: pads.items, ...cameras, pad, others, camera, method, atRest: params.refine?.at_rest === true, look: null,
+    // The pictures that were there are read under the bundle's terms.
+    frames: [frame, ...queue.requeued(state.frames)], selectedId: frame.id,
+  });
+  void reader.work();
+  return `Opened the bundle of ${frame.name}.`;
+}
+
+async function copyRecord() {
+  const { result, results = [] } = tuned(/** @type {Frame} */ (selected())).answer ?? {};
+  const copied = results.length > 1 ? results : result;
+  await copyText(JSON.stringify(copied, null, 1), "the record as JSON", (status) => set({ status }));
 }
 
 /** The result that the address names, so that a reload or a link shows it again. */
@@ -212,12 +263,14 @@ async function restore() {
     const frame = queue.frameOfAnswer(await api.getDetection(trace));
     set({ frames: [frame, ...state.frames], selectedId: frame.id });
   } catch (error) {
-    set({ stage: null, status: { kind: "bad", text: messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error) } });
   }
 }
 
 async function start() {
+  workbench.restore(address);
   render();
+  void workbench.start();
   try {
     const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
     const isKnown = pads.items.some((each) => each.id === state.pad);
@@ -227,13 +280,18 @@ async function start() {
     set({ status: { kind: "bad", text: messageOf(error) } });
   }
   await restore();
+  isRestored = true;
   const wanted = address.get("simulate");
   if (wanted && state.pad && state.camera) await intake.takeSimulated(wanted, state);
   void reader.work();
 }
 
 byId("try-sample").addEventListener("click", () => void intake.takeSample());
+byId("at-rest").addEventListener("change", (/** @type {Event} */ event) => {
+  rerun({ atRest: /** @type {HTMLInputElement} */ (event.target).checked });
+});
 byId("method").addEventListener("change", (/** @type {Event} */ event) => {
   rerun({ method: /** @type {HTMLInputElement} */ (event.target).value });
 });
 void start();
+mountFooter();

@@ -3,14 +3,18 @@
  *
  * @typedef {import("../shared/queueLogic.js").Frame} Frame
  *
+ * @typedef {import("../shared/readingChoice.js").ReadingChoice & {atRest: boolean}} Job
+ *
  * @typedef {object} ReaderOptions
  * @property {() => Frame | null} next  the picture to read next
- * @property {() => {pad: string, camera: string, method: string}} job  how it is read
+ * @property {() => Job} job  how it is read
  * @property {(id: string, values: Partial<Frame>) => void} change
  */
 
 import * as api from "../server/api.js";
 import { isAbort, messageOf } from "../server/request.js";
+import { turnedSize } from "./turning.js";
+import { padIds } from "../shared/readingLogic.js";
 
 /**
  * @param {ReaderOptions} options
@@ -23,12 +27,12 @@ export function makeReader({ next, job, change }) {
   async function read({ id }, image, signal) {
     change(id, { status: "running" });
     try {
-      const { pad, camera, method } = job();
-      const answer = await api.detect({ image, pad, camera, method }, signal);
+      const { camera, method, atRest } = job();
+      const answer = await api.detect({ image, pads: padIds(job()), camera, method, atRest }, signal);
       if (!signal.aborted) change(id, { status: answer.result.status, answer });
     } catch (error) {
       // A picture that was stopped waits again under its new terms, or is gone.
-      if (!isAbort(error)) change(id, { status: "refused", message: messageOf(error) });
+      if (!isAbort(error)) change(id, { status: "refused", message: messageOf(error), turned: turnedSize(error) });
     }
   }
 

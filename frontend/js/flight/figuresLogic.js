@@ -13,12 +13,17 @@
 
 import { compact, length, number, percent } from "../shared/formatLogic.js";
 import { stageName } from "./flightLogic.js";
+import { padMeshes } from "./padSurfaceLogic.js";
 import { countOf, failedOf } from "./timelineLogic.js";
 
+const HERE = "This frame";
 const metres = (/** @type {number | null} */ mm) => (mm === null ? null : mm / 1000);
 
+/** @param {Trajectory} trajectory */
+export const isTimed = ({ time_s: times }) => times.some((time) => time !== null);
+
 /** Times where there are any, else frame numbers. @param {Trajectory} trajectory */
-const abscissa = ({ time_s: times, frame }) =>
+export const abscissa = ({ time_s: times, frame }) =>
   times.some((time) => time !== null)
     ? { values: times, title: "Time (s)" }
     : { values: frame, title: "Frame" };
@@ -92,18 +97,18 @@ export function trajectoryChart(figures, other, palette) {
     }));
   return {
     data: [...(other ? traces(other, true) : []), ...traces(figures, false), ...rangeTrace(figures.trajectory, bearings, palette)],
-    layout: { hovermode: "x unified", xaxis: { title }, yaxis: { title: "Metres in the pad frame" } },
+    layout: { hovermode: "x unified", xaxis: { title, unifiedhovertitle: { text: isTimed(figures.trajectory) ? "%{x:.2f} s" : "frame %{x}" } }, yaxis: { title: "Metres in the pad frame" } },
   };
 }
 
 /**
  * Poses in space: the pad, the way, and numbered cones that open to where the camera looks.
  * @param {Figures} figures
- * @param {[number, number] | null} padSize  mm
+ * @param {import("./padSurfaceLogic.js").PadPicture | null} pad
  * @param {Palette} palette
  * @returns {Chart}
  */
-export function spaceChart({ trajectory, samples }, padSize, palette) {
+export function spaceChart({ trajectory, samples }, pad, palette) {
   const found = samples.filter((sample) => sample.position_mm && sample.axis && sample.quality !== "bearing");
   const at = (/** @type {0 | 1 | 2} */ axis) =>
     found.map(({ position_mm: position }) => /** @type {number[]} */ (position)[axis] / 1000);
@@ -114,6 +119,10 @@ export function spaceChart({ trajectory, samples }, padSize, palette) {
     found.map((sample) => -cone * /** @type {number[]} */ (sample.axis)[axis]);
   const text = found.map((sample) => String(sample.number));
   const frames = found.map((sample) => sample.frame);
+  const places = found.map(({ frame, position_mm: position }) => {
+    const [x, y, z] = /** @type {number[]} */ (position).map((mm) => number(mm / 1000, 3));
+    return `frame ${frame}<br>X ${x} m, Y ${y} m, height ${z} m`;
+  });
   const data = [
     {
       type: "scatter3d", mode: "lines", name: "Way", hoverinfo: "skip", connectgaps: false,
@@ -127,25 +136,38 @@ export function spaceChart({ trajectory, samples }, padSize, palette) {
       colorscale: [[0, palette.height], [1, palette.height]],
     },
     {
-      type: "scatter3d", mode: "text", name: "Pose", text, customdata: frames,
+      type: "scatter3d", mode: "text", name: "Pose", text, hovertext: places, customdata: frames,
       x: at(0), y: at(1), z: at(2).map((z) => z + cone / 3), textfont: { size: 12, color: palette.ink },
-      hovertemplate: "%{text}: frame %{customdata}<br>%{x:.3f}, %{y:.3f}, %{z:.3f} m<extra></extra>",
+      hovertemplate: "%{text}: %{hovertext}<extra></extra>",
     },
   ];
   return {
-    data: [...padSurface(padSize, palette), ...data],
-    layout: { scene: scene(palette, distanceFor(trajectory, padSize)), showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 } },
+    data: [...data, here(palette), ...(pad ? padMeshes(pad) : [])],
+    layout: { scene: scene(palette, distanceFor(trajectory, pad?.size ?? null)), showlegend: false, margin: { l: 0, r: 0, t: 0, b: 0 } },
   };
 }
 
-/** @param {[number, number] | null} size @param {Palette} palette */
-function padSurface(size, palette) {
-  if (!size) return [];
-  const [x, y] = size.map((mm) => mm / 2000);
-  return [{
-    type: "surface", x: [-x, x], y: [-y, y], z: [[0, 0], [0, 0]], opacity: 0.6, showscale: false,
-    hoverinfo: "skip", colorscale: [[0, palette.pad], [1, palette.pad]],
-  }];
+/** The frame that is looked at; `markIn` says where it stands. @param {Palette} palette */
+const here = (palette) => ({
+  type: "scatter3d", mode: "markers", name: HERE, x: [null], y: [null], z: [null], hoverinfo: "skip",
+  marker: { size: 7, symbol: "diamond", color: palette.ink },
+});
+
+/**
+ * Where the mark of the frame that is looked at stands in the chart of poses in space.
+ * @param {Figures} figures
+ * @param {number | null} frame
+ * @returns {{name: string, point: Record<"x" | "y" | "z", (number | null)[]>}}
+ */
+export function markIn({ trajectory }, frame) {
+  const { frame: frames } = trajectory;
+  const wanted = frame ?? -1;
+  // Of a long flight only some frames are there: the nearest one.
+  const place = frames.reduce((best, each, at) =>
+    (Math.abs(each - wanted) < Math.abs(frames[best] - wanted) ? at : best), 0);
+  const at = (/** @type {"x_mm" | "y_mm" | "z_mm"} */ column) =>
+    [frame === null ? null : metres(trusted(trajectory, column)[place] ?? null)];
+  return { name: HERE, point: { x: at("x_mm"), y: at("y_mm"), z: at("z_mm") } };
 }
 
 /**
@@ -225,7 +247,7 @@ export function outcomesChart(timeline, other, palette) {
     customdata: run.columns.map((column) => column.first_frame),
     line: { color: isOther ? palette.other : palette.ok, shape: "hv", dash: isOther ? "dot" : "solid" },
     ...(isOther ? {} : { fill: "tozeroy" }),
-    hovertemplate: "%{y:.1f} %<extra></extra>",
+    hovertemplate: "%{y:.1f} % with a pose, from frame %{customdata}<extra></extra>",
   });
   return {
     data: [trace(timeline, false), ...(other ? [trace(other, true)] : [])],
@@ -253,7 +275,7 @@ export function stagesChart(timeline, palette) {
     y: timeline.columns.map((column) => column.stages[stage] ?? 0),
     customdata: timeline.columns.map((column) => column.first_frame),
     marker: { color: palette.stages[at % palette.stages.length] },
-    hovertemplate: "%{y} frames<extra>%{fullData.name}</extra>",
+    hovertemplate: "%{y} frames, from frame %{customdata}<extra>%{fullData.name}</extra>",
   }));
   return {
     data,

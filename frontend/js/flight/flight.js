@@ -4,7 +4,6 @@
  * @typedef {import("../server/flightsApi.js").Flight} Flight
  * @typedef {import("./timelineLogic.js").Timeline} Timeline
  * @typedef {import("./timelineLogic.js").Part} Part
- * @typedef {import("../shared/viewportLogic.js").Viewport} Viewport
  *
  * @typedef {object} State
  * @property {Flight | null} flight
@@ -17,37 +16,46 @@
  * @property {import("./figuresLogic.js").Figures | null} figures
  * @property {import("./figuresLogic.js").Figures | null} otherFigures
  * @property {import("../server/flightsApi.js").Summary | null} summary
- * @property {[number, number] | null} padSize  mm
+ * @property {import("./padSurfaceLogic.js").PadPicture | null} pad
  * @property {Part | null} part  of the timeline; null is the whole
  * @property {number | null} frame
  * @property {import("../shared/queueLogic.js").Frame | null} shown  the frame's result
- * @property {boolean} stale  the stages shown are those of another frame
+ * @property {import("./components/framePicture.js").Picture | null} picture  of the frame; null while it comes
+ * @property {import("../server/flightsApi.js").OutlineLine[]} lines  of the pad in it
+ * @property {boolean} lost  the file has no picture of it
+ * @property {{done: number, total: number} | null} making  how far its picture is
+ * @property {string} pictureFault
+ * @property {boolean} outlined  the pad is drawn over the frame
+ * @property {{from: number, to: number} | null} loop  that play repeats
+ * @property {number | null} rested  the frame that is on the workbench: where the user stopped last
+ * @property {import("../server/tuningApi.js").Look | null} look  what the workbench made of it
  * @property {string} reason  at which "next failure" stops; empty: any
  * @property {import("./frameTableLogic.js").Filter | null} filter  of the table; null: it is closed
  * @property {import("./frameTableLogic.js").TablePage | null} tablePage
  * @property {boolean} playing
- * @property {string | null} stage  enlarged
- * @property {string} wish  the channel that is enlarged, or "both"
- * @property {Viewport | null} viewport
  * @property {import("../shared/components/status.js").Status} status
  */
 
-import { download, readAddress, writeAddress } from "../shared/address.js";
+import { addressKeeper, download, readAddress } from "../shared/address.js";
 import { messageOf } from "../server/request.js";
 import { makeFlightView } from "./flightView.js";
 import { makeFlightData } from "./flightData.js";
 import { makeFlightFrames } from "./flightFrames.js";
 import * as flightsApi from "../server/flightsApi.js";
-import { hasPicture, withPreview, withRecord, withStages } from "./flightFrameLogic.js";
-import { makeFrameLoader } from "./frameLoader.js";
+import { hasPicture, shownOf } from "./flightFrameLogic.js";
+import { makeFrameLoader } from "./player/frameLoader.js";
+import { makeFrameStore } from "./player/frameStore.js";
+import { makePlayer } from "./player/player.js";
+import { groupOf, loopFromText, loopToText, loopWith } from "./player/proxyLogic.js";
 import { filterFromText, filterToText } from "./frameTableLogic.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
-import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
+import { saveBundle } from "../shared/workbench/bundling.js";
 import { watchFlight } from "../server/flightWatch.js";
+import { copyText } from "../shared/components/copy.js";
+import { mountFooter } from "../shared/components/footer.js";
 
 const address = readAddress();
 const id = location.pathname.split("/")[2];
-const PLAY_MS = 100;
 const frameText = address.get("frame") ?? "";
 
 /** @type {State} */
@@ -62,18 +70,23 @@ const state = {
   figures: null,
   otherFigures: null,
   summary: null,
-  padSize: null,
+  pad: null,
   part: partFromText(address.get("part")),
   frame: /^\d{1,9}$/.test(frameText) ? Number(frameText) : null,
   shown: null,
-  stale: false,
+  picture: null,
+  lines: [],
+  lost: false,
+  making: null,
+  pictureFault: "",
+  outlined: address.get("outline") !== "off",
+  loop: loopFromText(address.get("loop")),
+  rested: null,
+  look: null,
   reason: address.get("reason") ?? "",
   filter: filterFromText(address.get("frames")),
   tablePage: null,
   playing: false,
-  stage: address.get("stage"),
-  wish: address.get("channel") ?? "both",
-  viewport: viewportFromText(address.get("at")),
   status: null,
 };
 
@@ -86,15 +99,23 @@ const view = makeFlightView(id, {
   onStep: (by) => step(by),
   onFailure: (by) => void findFailure(by),
   onEnd: (end) => seek(whole()?.[end] ?? 0),
-  onPlay: () => {
-    set({ playing: !state.playing });
-    play();
+  onPlay: () => play(!state.playing),
+  onLoop: (end) => {
+    const all = whole();
+    if (all && state.frame !== null) set({ loop: end ? loopWith(state.loop, end, state.frame, all) : null });
+  },
+  onOutlined: (outlined) => set({ outlined }),
+  onPictureAgain: () => {
+    set({ pictureFault: "" });
+    store.retry();
+    loader.again();
   },
   onReason: (reason) => set({ reason }),
   onFilter: (filter) => frames.filter(filter),
   onTurn: (by) => frames.turn(by),
-  onStage: (stage, wish) => set({ stage, ...(wish ? { wish } : {}), viewport: null }),
-  onLightbox: (change) => set(change),
+  onBench: () => keepAddress(),
+  onLook: (look) => set({ look }),
+  onStatus: (status) => set({ status }),
   onCompare: (compared) => {
     set({ compared: compared === state.compared ? null : compared, otherTimeline: null, otherCoarse: null, otherFigures: null });
     void data.other();
@@ -103,31 +124,48 @@ const view = makeFlightView(id, {
   onRetry: () => void act(() => flightsApi.retryFlight(id)),
   onRun: async (changes) => {
     const run = await flightsApi.rerunFlight(id, changes);
-    location.assign(`/flights/${run.id}?with=${id}`);
+    location.assign(`/flights/${run.id}?with=${id}${await frameOf(changes)}`);
   },
   onVehicle: (file) => void exportForPx4(file),
   onCharts: () => void data.figures(),
   onCopy: () => void copyRecord(),
+  onBundle: async () => {
+    if (state.frame !== null) await saveBundle(view.readingOf(state.frame), view.benchAddress(), (status) => set({ status }));
+  },
 });
 const data = makeFlightData(id, { state: () => state, set, columns: () => view.columns() });
 const frames = makeFlightFrames(id, { state: () => state, set });
+const store = makeFrameStore(id, {
+  onChange: (group) => {
+    const all = whole();
+    if (all && state.frame !== null && groupOf(state.frame, all) === group) showHeld();
+  },
+  onMaking: (making) => set({ making }),
+  onFault: (error) => set({ pictureFault: messageOf(error), playing: false }),
+});
 const loader = makeFrameLoader(id, {
-  onRecord: (frame, record) => {
-    set(withRecord(state, frame, record));
-    if (record && !hasPicture(record)) playOn();
+  onSharp: (frame, image) => {
+    const { proxy } = store.get(frame);
+    const [width, height] = proxy?.width ? [proxy.width, proxy.height] : [image.naturalWidth, image.naturalHeight];
+    const picture = { image, scale: width / image.naturalWidth, width, height };
+    set({ picture });
   },
-  onPreview: (_, url, size) => {
-    set(withPreview(state, url, size));
-    playOn();
-  },
-  onStages: (frame, stages, size) => set(withStages(state, frame, stages, size)),
-  onFault: (frame, error) => {
-    set({ stale: false, playing: false, status: { kind: "bad", text: `Frame ${frame}: ${messageOf(error)}` } });
-  },
+  onRest: (frame) => set({ rested: frame, look: null }),
+  onFault: (frame, error) => set({ pictureFault: `Frame ${frame}: ${messageOf(error)}` }),
+});
+const player = makePlayer({
+  whole,
+  frame: () => state.frame,
+  loop: () => state.loop,
+  timeOf: store.timeOf,
+  isReady: (frame) => Boolean(store.get(frame).bitmap) || store.get(frame).proxy?.jpeg === null,
+  onFrame: (frame) => show(frame),
+  onWant: (frame) => store.want(frame),
+  onEnd: () => play(false),
 });
 
 let painting = 0;
-let addressTimer = 0;
+const keepAddress = addressKeeper(toAddress);
 /** @type {{stop: () => void} | null} */
 let watch = null;
 
@@ -138,24 +176,26 @@ function set(change) {
     painting = 0;
     view.update(state, whole());
   });
-  window.clearTimeout(addressTimer);
-  addressTimer = window.setTimeout(writeState, 200);
+  keepAddress();
 }
 
-const whole = () => (state.flight ? wholeOf(state.flight) : null);
+function whole() {
+  return state.flight ? wholeOf(state.flight) : null;
+}
 
-function writeState() {
-  const { frame, stage, wish, viewport, part, reason, compared, filter } = state;
-  writeAddress({
+function toAddress() {
+  const { frame, part, reason, compared, filter, loop, outlined } = state;
+  return {
     frame: frame === null ? null : String(frame),
     part: partToText(part),
+    loop: loopToText(loop),
+    outline: outlined ? null : "off",
     reason,
     with: compared,
     frames: filterToText(filter),
-    stage,
-    channel: stage ? wish : null,
-    at: stage ? viewportToText(viewport) : null,
-  });
+    sweep: view.sweepId(),
+    ...view.benchAddress(),
+  };
 }
 
 /** @param {number} wanted */
@@ -163,16 +203,47 @@ function seek(wanted) {
   const all = whole();
   if (!all) return;
   const frame = nearestFrame(wanted, all);
-  const part = partWith(state.part, frame, all);
-  if (part !== state.part) data.timelineSoon();
-  if (frame !== state.frame) set({ frame, part, stale: true, status: null });
-  loader.want(frame);
+  if (frame !== state.frame) show(frame);
 }
 
-/** @param {1 | -1} by */
+/** @param {number} frame  that the flight has */
+function show(frame) {
+  const all = whole();
+  const part = all ? partWith(state.part, frame, all) : state.part;
+  if (part !== state.part) data.timelineSoon();
+  set({ frame, part, picture: null, making: null, pictureFault: "", status: null });
+  store.want(frame);
+  showHeld();
+}
+
+/** What is known of the frame by now. */
+function showHeld() {
+  const { frame, picture } = state;
+  if (frame === null) return;
+  const { record, lines, proxy, bitmap } = store.get(frame);
+  const isSharp = picture?.image instanceof HTMLImageElement;
+  const small = bitmap && proxy ? { image: bitmap, scale: proxy.scale, width: proxy.width, height: proxy.height } : null;
+  const lost = proxy?.jpeg === null || (record ? !hasPicture(record) : false);
+  set({ lines, lost, ...(isSharp ? {} : { picture: small }) });
+  const isShown = state.shown?.answer?.result === record;
+  if (record !== undefined && !isShown) set({ shown: shownOf(frame, record, state.flight) });
+  loader.rest(record && !lost && !state.playing ? frame : null, sharpWidth());
+}
+
+/** Pixels that the frame's place has, in steps, so that browsers find the picture again. */
+const sharpWidth = () => Math.min(4096, 320 * Math.ceil((view.pictureWidth() * devicePixelRatio) / 320) || 1280);
+
+/** @param {number} by  frames */
 function step(by) {
   const all = whole();
   if (all && state.frame !== null) seek(state.frame + by * all.stride);
+}
+
+/** @param {boolean} playing */
+function play(playing) {
+  set({ playing });
+  player.update(playing);
+  if (!playing) showHeld();
 }
 
 /** @param {1 | -1} by */
@@ -189,32 +260,14 @@ async function findFailure(by) {
   }
 }
 
-function playOn() {
-  if (state.playing) window.setTimeout(play, PLAY_MS);
-}
+const copyRecord = () =>
+  copyText(JSON.stringify(state.shown?.answer?.result, null, 1), "the record as JSON", (status) => set({ status }));
 
-/** One frame on, as soon as the one before is shown; the next ones' pictures come meanwhile. */
-function play() {
-  const all = whole();
-  if (!state.playing || !all || state.frame === null) return;
-  if (state.frame >= all.last) {
-    set({ playing: false });
-    return;
-  }
-  step(1);
-  for (const ahead of [1, 2]) {
-    const frame = state.frame + ahead * all.stride;
-    if (frame <= all.last) loader.prepare(frame);
-  }
-}
-
-async function copyRecord() {
-  try {
-    await navigator.clipboard.writeText(JSON.stringify(state.shown?.answer?.result, null, 1));
-    set({ status: { kind: "ok", text: "Copied the record as JSON." } });
-  } catch {
-    set({ status: { kind: "bad", text: "The browser does not allow copying here." } });
-  }
+/** The first frame of a run of failed ones, for its address. @param {Record<string, any>} changes */
+async function frameOf({ only }) {
+  if (!only) return "";
+  const { items } = await flightsApi.listFrames(id, { status: "failed", ...(only.reason ? { reason: only.reason } : {}), limit: 1 });
+  return items.length ? `&frame=${items[0].frame}` : "";
 }
 
 /** @param {File} vehicle */
@@ -250,11 +303,12 @@ function takeFlight(flight) {
   }
   // The files were looked into since.
   if (flight.frames_total !== null && !flight.sources && !before?.sources?.length) void refresh();
-  if (state.shown?.answer) return;
-  const isFirst = state.frame === null;
+  const all = whole();
+  if (!all) return;
+  store.follow(all, !flightsApi.isOpen(flight));
   // The address may name a frame that the flight does not have.
-  seek(state.frame ?? whole()?.first ?? 0);
-  if (!isFirst) loader.again();
+  const frame = nearestFrame(state.frame ?? all.first, all);
+  if (!before?.sources?.length || frame !== state.frame) show(frame);
 }
 
 function follow() {
@@ -267,11 +321,14 @@ async function refresh() {
 }
 
 async function start() {
+  view.restoreBench(address);
   view.update(state, null);
   try {
     await refresh();
     document.title = `${state.flight?.name} · Pad Studio`;
     follow();
+    const swept = address.get("sweep");
+    if (swept) void view.restoreSweep(swept);
     await data.runs();
     await data.other();
   } catch (error) {
@@ -280,3 +337,4 @@ async function start() {
 }
 
 void start();
+mountFooter();

@@ -4,7 +4,7 @@
  * @typedef {import("./timelineLogic.js").Timeline} Timeline
  */
 
-import { listPads } from "../server/api.js";
+import { getPad } from "../server/api.js";
 import { isAbort, messageOf } from "../server/request.js";
 import { getFigures, getFlight, getSummary, getTimeline, isOpen, listFlights } from "../server/flightsApi.js";
 import { wholeOf } from "./timelineLogic.js";
@@ -60,10 +60,12 @@ export function makeFlightData(id, { state, set, columns }) {
     set({ figures, coarse });
   }
 
-  async function padSize() {
-    const pads = await listPads();
-    const pad = pads.items.find((each) => each.id === state().flight?.request.pad_id);
-    if (pad) set({ padSize: pad.size_mm });
+  async function pad() {
+    const wanted = state().flight?.request.pad_id;
+    if (!wanted) return;
+    // The pad may be gone since; the flight keeps a copy, but the chart does without.
+    const found = await getPad(wanted).catch(() => null);
+    if (found) set({ pad: { size: found.size_mm, file: found.pad } });
   }
 
   async function all() {
@@ -92,7 +94,7 @@ export function makeFlightData(id, { state, set, columns }) {
       if (chartsWanted) return;
       chartsWanted = true;
       try {
-        await Promise.all([padSize(), refreshCharts(), this.other()]);
+        await Promise.all([pad(), refreshCharts(), this.other()]);
       } catch (error) {
         complain(error);
       }

@@ -1,9 +1,8 @@
 /**
- * The frame that is shown: its result comes first, then a picture of it, then its stages.
+ * The frame that is shown: the flight's result, then what the workbench makes of it.
  *
  * @typedef {import("../shared/queueLogic.js").Frame} Frame
  * @typedef {import("../server/flightsApi.js").FrameRecord} FrameRecord
- * @typedef {import("../server/flightsApi.js").FrameStages} FrameStages
  */
 
 import { isOpen } from "../server/flightsApi.js";
@@ -24,58 +23,41 @@ export function hasPicture({ stage, reason }) {
 }
 
 /**
- * The state once a frame's result is there. The picture and stages of the frame before stay, marked
- * as stale, so that the page does not jump; a frame that was lost shows none.
- * @param {{shown: Frame | null, flight?: import("../server/flightsApi.js").Flight | null}} state
+ * A frame as the report shows it.
  * @param {number} frame
  * @param {FrameRecord | null} record  null where the frame has no result
- * @returns {{shown: Frame, stale: boolean}}
+ * @param {import("../server/flightsApi.js").Flight | null} flight
+ * @returns {Frame}
  */
-export function withRecord({ shown, flight }, frame, record) {
+export function shownOf(frame, record, flight) {
   if (!record) {
     const status = flight && isOpen(flight) ? "waiting" : "refused";
-    const message = "The flight ended before this frame was read. Try the flight again.";
+    const message = flight?.request.only
+      ? "This run reads no other frames than some that failed in an earlier one."
+      : "The flight ended before this frame was read. Try the flight again.";
     const name = `Frame ${number(frame)}`;
-    return { shown: { id: name, name, file: null, status, answer: null, message }, stale: false };
+    return { id: name, name, file: null, status, answer: null, message };
   }
-  const before = shown?.answer;
-  const isSeen = hasPicture(record);
   const answer = {
-    result: record,
-    image: before?.image ?? { width: 16, height: 9 },
-    camera_scale: 1,
-    trace: isSeen ? (before?.trace ?? null) : null,
+    result: record, image: { width: 16, height: 9 }, camera_scale: 1, trace: null, pads: flight?.request.pads ?? [],
   };
   const name = sourceInWords(record);
-  const shownNow = { id: name, name, file: null, status: record.status, answer, message: "" };
-  return { shown: shownNow, stale: isSeen };
+  return { id: name, name, file: null, status: record.status, answer, message: "" };
 }
 
 /**
- * The state once a frame's picture is there; the stages are still those of another frame.
- * @param {{shown: Frame | null}} state
- * @param {string} url
- * @param {{width: number, height: number}} image
- * @returns {{shown: Frame | null}}
+ * With the stages that the workbench shows, and its result where that was asked for otherwise than
+ * the flight's.
+ * @param {Frame} shown
+ * @param {import("../server/tuningApi.js").Look} look  of the same frame
+ * @param {boolean} isChanged
+ * @returns {Frame}
  */
-export function withPreview({ shown }, url, image) {
-  const answer = shown?.answer;
-  if (!answer) return { shown };
-  const { id = "", stages = [] } = answer.trace ?? {};
-  return { shown: { ...shown, answer: { ...answer, image, trace: { id, result_picture: url, stages } } } };
-}
-
-/**
- * The state once a frame's stages are there.
- * @param {{shown: Frame | null}} state
- * @param {number} frame
- * @param {FrameStages} stages
- * @param {{width: number, height: number}} image
- * @returns {{shown: Frame, stale: boolean}}
- */
-export function withStages(state, frame, stages, image) {
-  const { shown } = withRecord(state, frame, stages.result);
-  const trace = { id: String(frame), result_picture: stages.result_picture, stages: stages.stages };
-  const answer = { result: stages.result, image, camera_scale: 1, trace };
-  return { shown: { ...shown, answer }, stale: false };
+export function withLook(shown, look, isChanged) {
+  const { answer } = shown;
+  if (!answer) return shown;
+  const stages = look.stages.map((run) => ({ ...run, picture: null, thumbnail: null }));
+  const result = isChanged ? { ...answer.result, ...look.result, source: answer.result.source } : answer.result;
+  const trace = { id: "", result_picture: null, stages };
+  return { ...shown, status: result.status, answer: { ...answer, result, trace } };
 }

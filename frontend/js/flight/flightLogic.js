@@ -6,6 +6,8 @@
  */
 
 import { compact, duration, moment, number, percent } from "../shared/formatLogic.js";
+import { paramsInWords } from "../shared/orderLogic.js";
+import { methodInWords } from "../shared/readingLogic.js";
 import { reasonInWords, stageTitle } from "../shared/stagesLogic.js";
 
 /** @param {Flight} flight @returns {boolean} */
@@ -14,32 +16,35 @@ export const isRetryable = (flight) => flight.state === "failed" || flight.state
 /**
  * What was read with what.
  * @param {Flight} flight
- * @returns {[string, string][]}
+ * @returns {import("../shared/components/facts.js").Facts}
  */
-export function settingsFacts({ request, sources = [], created_at: created, started_at: started, finished_at: finished }) {
-  /** @type {[string, string][]} */
+export function settingsFacts({ id, request, sources = [], created_at: created, started_at: started, finished_at: finished }) {
+  /** @type {import("../shared/components/facts.js").Facts} */
   const facts = [
     ["Pad", request.pad_name ?? "–"],
     ["Camera", request.camera_name ?? "–"],
-    ["Method", request.method],
+    ["Method", methodInWords(request.method)],
     ["Frames", rangeInWords(request)],
   ];
   const video = sources.find((source) => source.video)?.video;
   if (video) {
     facts.push(["Video", `${video.width} × ${video.height}, ${compact(video.fps, 2)} frames/s`]);
   }
-  for (const [group, values] of Object.entries(request.params ?? {})) {
-    facts.push([group, JSON.stringify(values)]);
-  }
+  const params = paramsInWords(request.params ?? {});
+  if (params) facts.push(["Parameters", params]);
+  if (request.version) facts.push(["Version", request.version]);
+  facts.push(["Flight's id", id, id], ["Pad's id", request.pad_id, request.pad_id]);
   facts.push(["Created", moment(created)]);
   if (started && finished) facts.push(["Took", duration(Date.parse(finished) - Date.parse(started))]);
   return facts;
 }
 
 /** @param {import("../server/flightsApi.js").FlightRequest} request @returns {string} */
-export function rangeInWords({ first_frame: first = 0, end_frame: end, stride = 1 }) {
+export function rangeInWords({ first_frame: first = 0, end_frame: end, stride = 1, only }) {
   const range = end === null || end === undefined ? (first ? `from ${first}` : "all") : `${first} to ${end - 1}`;
-  return stride > 1 ? `${range}, every ${ordinal(stride)}` : range;
+  const some = stride > 1 ? `${range}, every ${ordinal(stride)}` : range;
+  if (!only) return some;
+  return `${some}, of these only failed ones${only.reason ? ` (${reasonInWords(only.reason)})` : ""}`;
 }
 
 /** @param {number} n */
@@ -121,11 +126,11 @@ export const EXPORTS = [
  */
 export function differenceInWords(a, b) {
   const [one, other] = [settingsFacts(a), settingsFacts(b)];
-  const skipped = ["Created", "Took", "Video"];
+  const skipped = ["Created", "Took", "Video", "Flight's id", "Pad's id"];
   const parts = [...new Set([...one, ...other].map(([term]) => term))]
     .filter((term) => !skipped.includes(term))
     .flatMap((term) => {
-      const value = (/** @type {[string, string][]} */ facts) =>
+      const value = (/** @type {import("../shared/components/facts.js").Facts} */ facts) =>
         facts.find(([name]) => name === term)?.[1] ?? "default";
       return value(one) === value(other) ? [] : [`${term}: ${value(one)} / ${value(other)}`];
     });

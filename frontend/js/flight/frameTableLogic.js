@@ -68,10 +68,11 @@ export function filterFault({ from_s: from, to_s: to, min_height: least, max_hei
  * What an answer of the server is in the order of the table.
  * @param {{items: FrameRecord[], next_after: number | null}} answer
  * @param {Place} place
+ * @param {number} [most]  that the page may have
  * @returns {TablePage}
  */
-export function pageOf({ items, next_after: next }, place) {
-  if (place.before !== undefined) return { items, earlier: items.length === PAGE_FRAMES, later: true };
+export function pageOf({ items, next_after: next }, place, most = PAGE_FRAMES) {
+  if (place.before !== undefined) return { items, earlier: items.length === most, later: true };
   return { items, earlier: place.after !== undefined, later: next !== null };
 }
 

@@ -8,6 +8,7 @@ import { isOpen } from "../server/flightsApi.js";
 import { progressInWords, restInWords, stateInWords } from "../shared/flightStateLogic.js";
 import { moment, number } from "../shared/formatLogic.js";
 import { keyedRows } from "../shared/components/keyedRows.js";
+import { methodInWords } from "../shared/readingLogic.js";
 
 /**
  * @param {HTMLElement} root
@@ -33,11 +34,14 @@ export function mountFlightList(root, { onCancel, onRemove, onMore }) {
       part("state").textContent = stateInWords(flight);
       part("note").textContent = flight.error?.message ?? flight.notice ?? progressInWords(flight);
       const { pad_name: pad, method } = flight.request;
-      part("about").textContent = rest || [pad, method, moment(flight.created_at)].filter(Boolean).join(" · ");
+      part("about").textContent = rest || [pad, methodInWords(method), moment(flight.created_at)].filter(Boolean).join(" · ");
       const bar = /** @type {HTMLProgressElement} */ (part("bar"));
       bar.hidden = flight.state === "done";
       bar.value = flight.progress;
       bar.setAttribute("aria-label", `${flight.name}, read`);
+      const compare = /** @type {HTMLAnchorElement} */ (part("compare"));
+      compare.hidden = !flight.rerun_of || flight.state !== "done";
+      compare.href = `/flights/${flight.id}?with=${flight.rerun_of}`;
       const verb = isOpen(flight) ? "Cancel" : "Remove";
       part("act").textContent = verb;
       part("act").setAttribute("aria-label", `${verb} ${flight.name}`);

@@ -20,21 +20,27 @@ import { messageOf } from "../server/request.js";
 import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFlightList } from "./flightList.js";
+import { mountMorePads } from "../shared/components/morePads.js";
+import { mountShutterField } from "../shared/components/shutterField.js";
 import { mountStatus } from "../shared/components/status.js";
 import { mountUploadList } from "./uploadList.js";
-import { cameraGroups, cameraNote, padGroups, padNote } from "../shared/readingLogic.js";
+import {
+  cameraGroups, cameraNote, otherPads, othersNote, padGroups, padIds, padNote,
+} from "../shared/readingLogic.js";
 import * as flightsApi from "../server/flightsApi.js";
 import { makeIntake } from "../shared/intake.js";
 import { fusionValues, missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeUploadQueue } from "./uploadQueue.js";
-import { readyIds, totals } from "./uploadsLogic.js";
+import { fewPictures, readyIds, totals } from "./uploadsLogic.js";
+import { mountFooter } from "../shared/components/footer.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const address = readAddress();
 const PAGE = 50;
 const BUSY_MS = 1000;
 const IDLE_MS = 10_000;
+const USUAL_FUSION = "filter";
 
 /** @type {State} */
 const state = {
@@ -56,6 +62,10 @@ const padChoice = mountChoice(byId("pad-choice"), {
 const cameraChoice = mountChoice(byId("camera-choice"), {
   onChoose: (camera) => set({ camera }),
   onFile: (file) => void intake.takeCamera(file),
+});
+const morePads = mountMorePads(byId("more-pads"), { onChoose: (others) => set({ others }) });
+const shutter = mountShutterField(byId("shutter"), {
+  onReadout: (readoutMs) => void intake.takeReadout(state.camera, readoutMs),
 });
 const uploadList = mountUploadList(byId("uploads"), { onRemove: (keys) => queue.remove(keys) });
 const flightList = mountFlightList(byId("flights"), {
@@ -106,8 +116,12 @@ function render() {
   padChoice.update({ groups: padGroups(pads), chosen: state.pad, note: padNote(pad) });
   const groups = cameraGroups(stored, presets);
   cameraChoice.update({ groups, chosen: state.camera, note: cameraNote(camera) });
+  const others = padIds(state).slice(1);
+  morePads.update({ options: otherPads(pads, state.pad), chosen: others, note: othersNote(others, method) });
+  shutter.update({ camera });
   for (const input of byId("method").querySelectorAll("input")) input.checked = input.value === method;
   uploadList.update({ items });
+  byId("few-pictures").hidden = !fewPictures(items);
   flightList.update({ flights: state.flights, total: state.total, now: Date.now() });
   const needed = missingOrder({ pad: state.pad, camera: state.camera, files: totals(items).total });
   const hint = ordered ? "Starts as soon as every file is sent." : needed;
@@ -115,8 +129,28 @@ function render() {
   byId("start").textContent = ordered ? "Do not start" : readyIds(items) ? "Analyse" : "Analyse when sent";
   byId("start").disabled = Boolean(needed);
   status.update(state.status);
-  writeAddress({ pad: state.pad, camera: state.camera, method: method === "dense" ? null : method });
+  writeAddress({
+    pad: state.pad,
+    others: state.others.join(","),
+    camera: state.camera,
+    method: method === "dense" ? null : method,
+    fusion: fusionField().value === USUAL_FUSION ? null : fusionField().value,
+    ...rangeFields(),
+    name: byId("flight-name").value,
+  });
   if (ordered && readyIds(items)) void start();
+}
+
+const fusionField = () => byId("fusion").querySelector("input:checked");
+
+/** What was typed before a reload. */
+function restoreFields() {
+  for (const name of Object.keys(rangeFields())) byId(name).value = address.get(name) ?? "";
+  byId("flight-name").value = address.get("name") ?? "";
+  for (const input of byId("fusion").querySelectorAll("input")) {
+    if (input.value === address.get("fusion")) input.checked = true;
+  }
+  checkRange();
 }
 
 const rangeFields = () => ({
@@ -127,10 +161,12 @@ const rangeFields = () => ({
 
 async function start() {
   set({ ordered: false, status: { kind: "quiet", text: "Starting …" } });
-  const { pad, camera, method } = state;
+  const { camera, method } = state;
+  const pads = padIds(state);
+  const pad = pads.length > 1 ? pads : state.pad;
   const name = byId("flight-name").value.trim();
   const uploads = readyIds(state.items) ?? [];
-  const fusion = fusionValues(byId("fusion").querySelector("input:checked").value);
+  const fusion = fusionValues(fusionField().value);
   const read = { method, ...fusion, ...rangeValues(rangeFields()) };
   const order = { uploads, pad, camera, ...read, ...(name ? { name } : {}) };
   try {
@@ -172,6 +208,7 @@ async function refresh() {
 }
 
 async function load() {
+  restoreFields();
   render();
   void refresh();
   set({ items: queue.items() });
@@ -191,6 +228,7 @@ byId("method").addEventListener("change", (/** @type {Event} */ event) => {
   set({ method: /** @type {HTMLInputElement} */ (event.target).value });
 });
 byId("range").addEventListener("input", checkRange);
+byId("order").addEventListener("input", () => set({}));
 byId("order").addEventListener("submit", (/** @type {Event} */ event) => {
   event.preventDefault();
   if (checkRange()) set({ ordered: !state.ordered, status: null });
@@ -201,3 +239,4 @@ window.addEventListener("beforeunload", (event) => {
   if (state.items.some((item) => item.status === "sending")) event.preventDefault();
 });
 void load();
+mountFooter();

@@ -24,6 +24,7 @@
  */
 
 import { bytes, number } from "../shared/formatLogic.js";
+import { isPicture } from "../shared/queueLogic.js";
 import { fingerprint } from "../server/tusLogic.js";
 
 /** A folder of more stills than this is one line. */
@@ -59,6 +60,17 @@ export function withFiles(items, chosen) {
   }
   return [...known.values()].sort(byName);
 }
+
+/** Of more pictures than this a flight is meant. */
+const FEW = 3;
+
+/**
+ * True where a few pictures alone were chosen, which Diagnose shows stage by stage.
+ * @param {Pick<Item, "name">[]} items
+ * @returns {boolean}
+ */
+export const fewPictures = (items) =>
+  items.length > 0 && items.length <= FEW && items.every(({ name }) => isPicture(name));
 
 /**
  * @param {Item[]} items

@@ -8,6 +8,7 @@
  * @property {Texts} wish  the form of wanted heights
  * @property {import("../server/planApi.js").Advice | null} advice
  * @property {string} adviceFault
+ * @property {boolean} advising  the advice shown is of an older wish; a newer one is under way
  * @property {Texts} mapTexts
  * @property {import("../server/planApi.js").SuccessMap | null} map
  * @property {string} mapProgress  empty while none is made
@@ -24,7 +25,7 @@
  * @typedef {import("../shared/readingChoice.js").ReadingChoice & OwnState} State
  */
 
-import { readAddress, writeAddress } from "../shared/address.js";
+import { addressKeeper, readAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
 import { isAbort, messageOf } from "../server/request.js";
 import { makeLatestAnswer } from "../server/latestAnswer.js";
@@ -38,6 +39,7 @@ import { DEFAULT_MAP, DEFAULT_WISH, fromQuery, parseMap, parseWish, toQuery } fr
 import { makePlanView } from "./planView.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeSimulator } from "./simulator.js";
+import { mountFooter } from "../shared/components/footer.js";
 
 const address = readAddress();
 
@@ -48,6 +50,7 @@ const state = {
   wish: fromQuery(address, DEFAULT_WISH, ""),
   advice: null,
   adviceFault: "",
+  advising: false,
   mapTexts: fromQuery(address, DEFAULT_MAP, "map-"),
   map: null,
   mapProgress: "",
@@ -100,14 +103,13 @@ const advisor = makeLatestAnswer((/** @type {State["advice"]} */ advice, adviceF
 const frames = makeSimulator();
 const maps = makeSimulator();
 const flightSimulator = makeFlightSimulator({ onJob: (flyJob) => set({ flyJob }), onFault: fail });
-let addressTimer = 0;
+const keepAddress = addressKeeper(toAddress);
 
 /** @param {Partial<State>} change */
 function set(change) {
   Object.assign(state, change);
   render();
-  window.clearTimeout(addressTimer);
-  addressTimer = window.setTimeout(writeState, 200);
+  keepAddress();
 }
 
 /**
@@ -127,8 +129,8 @@ function aim({ tiltDeg, heightMm }) {
   set({ frame: { ...state.frame, kind: "one", ...place } });
 }
 
-function writeState() {
-  writeAddress({
+function toAddress() {
+  return {
     pad: state.pad,
     camera: state.camera,
     method: state.method === "dense" ? null : state.method,
@@ -136,18 +138,19 @@ function writeState() {
     ...toQuery(state.mapTexts, DEFAULT_MAP, "map-"),
     ...framesToQuery(state.frame),
     ...toQuery(state.fly, DEFAULT_FLY, "fly-"),
-  });
+  };
 }
 
 function render() {
   const { pad, camera, method, wish } = state;
-  view.update(state);
   charts.ask(pad && camera ? JSON.stringify([pad, camera]) : "", (signal) =>
     planApi.getCoverage(pad, camera, TILTS_DEG, signal),
   );
   const wanted = parseWish(wish).wish;
   const query = wanted && camera ? { ...wanted, camera, method } : null;
   advisor.ask(query ? JSON.stringify(query) : "", (signal) => planApi.getAdvice(query ?? {}, signal));
+  state.advising = advisor.waits();
+  view.update(state);
 }
 
 /** @param {unknown} error */
@@ -209,3 +212,4 @@ async function start() {
 }
 
 void start();
+mountFooter();

@@ -76,13 +76,15 @@ export function makePlanView(events) {
   }
 
   /** @param {State} state */
-  function updateAdvice({ wish, advice, adviceFault, camera }) {
+  function updateAdvice({ wish, advice, adviceFault, advising, camera }) {
     wishForm.update({ texts: wish, errors: parseWish(wish).errors });
     facts.update(advice ? adviceFacts(advice) : []);
     byId("advice-fault").textContent = camera ? adviceFault : "";
     showNotes(byId("advice-notes"), advice?.notes ?? []);
+    byId("advice-facts").setAttribute("aria-busy", String(advising));
     byId("advice-link").hidden = !advice;
-    if (advice) byId("advice-link").href = designLink(advice);
+    if (advice && !advising) byId("advice-link").href = designLink(advice);
+    else byId("advice-link").removeAttribute("href");
   }
 
   /** @param {State} state */

@@ -109,7 +109,9 @@
  * @property {Span[]} spans
  * @property {DeadBand[]} dead_bands
  *
- * @typedef {{camera: string, methods: MethodCoverage[]}} CoverageChart
+ * @typedef {{width_px: number, height_px: number, focal_px: number}} View  a camera as a pinhole
+ *
+ * @typedef {{camera: string, view: View, methods: MethodCoverage[]}} CoverageChart
  *
  * @typedef {object} Simulation  a job
  * @property {string} id
@@ -141,11 +143,15 @@
  * @property {[number, number, number]} [bearing]  unit vector to the pad's centre, camera frame
  * @property {number | null} [bearing_sigma_deg]
  * @property {Quality | null} [quality]  null where unknown
+ * @property {string} [pad_id]  of the pad that the pose is of
  * @property {string} [stage]
  * @property {string} [reason]
  * @property {string} [detail]
  * @property {string} [advice]
+ * @property {{reason: string, detail: string, advice: string}[]} [findings]  of a second look
  * @property {Record<string, number>} elapsed_ms
+ *
+ * @typedef {{id: string, name: string, pad_id: string}} KnownPad  pad_id: as of poses
  *
  * @typedef {"full" | "bearing"} Quality  "bearing": range and bearing alone can be used
  *
@@ -165,9 +171,12 @@
  *
  * @typedef {object} DetectAnswer
  * @property {PoseRecord & {source: string}} result
+ * @property {(PoseRecord & {source: string})[]} [results]  one for each pad that was found, the best first
+ * @property {KnownPad[]} [pads]  those that were looked for
  * @property {{width: number, height: number}} image
  * @property {number} camera_scale
  * @property {{id: string, result_picture: string | null, stages: StageAnswer[]} | null} trace
+ * @property {import("./bundleApi.js").Bundle | null} [bundle]  that it was opened from
  *
  * @typedef {object} Column
  * @property {number} column  from 0
@@ -178,6 +187,7 @@
  * @property {number | null} z_max_mm
  * @property {number[]} outcomes  frames, as OUTCOMES
  * @property {Record<string, number>} stages  first failing stage: frames
+ * @property {Record<string, Record<string, number>>} [failed_at]  the same by channel
  *
  * @typedef {object} Timeline
  * @property {number} first_frame

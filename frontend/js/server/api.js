@@ -89,6 +89,15 @@ export async function listCameras() {
 /** @param {File} file @returns {Promise<CameraSummary>} */
 export const importCamera = (file) => request("POST", "/cameras", { form: { file } });
 
+/**
+ * Say how long a camera's shutter rolls; a preset stays as it is, and a copy is stored.
+ * @param {string} id
+ * @param {number | null} readoutMs
+ * @returns {Promise<CameraSummary>}
+ */
+export const setReadout = (id, readoutMs) =>
+  request("PUT", path`/cameras/${id}/readout`, { json: { readout_ms: readoutMs } });
+
 // The tour's sample
 
 /**
@@ -103,12 +112,14 @@ export const getSample = () => request("GET", "/samples");
 /**
  * @typedef {import("./answers.js").DetectAnswer} DetectAnswer
  *
- * @param {{image: File, pad: string, camera: string, method: string}} job
+ * @param {{image: File, pads: string[], camera: string, method: string, atRest: boolean}} job
  * @param {AbortSignal} signal
  * @returns {Promise<DetectAnswer>}
  */
-export const detect = ({ image, pad, camera, method }, signal) =>
-  request("POST", "/detect", { form: { image, pad, camera, method, trace: "true" }, signal });
+export function detect({ image, pads, camera, method, atRest }, signal) {
+  const form = { image, pad: pads, camera, method, at_rest: String(atRest), trace: "true", paint: "false" };
+  return request("POST", "/detect", { form, signal });
+}
 
 /** @param {string} traceId @returns {Promise<DetectAnswer>} */
 export const getDetection = (traceId) =>

@@ -7,6 +7,7 @@
  * @typedef {object} FlightRequest
  * @property {string} pad_id
  * @property {string} pad_name
+ * @property {import("./answers.js").KnownPad[]} [pads]
  * @property {string} camera_id
  * @property {string} camera_name
  * @property {string} method
@@ -14,6 +15,8 @@
  * @property {number} first_frame
  * @property {number | null} end_frame  the first that is not read
  * @property {number} stride
+ * @property {string} [version]  of the program that made the run
+ * @property {{flight: string, reason: string | null} | null} [only]  read for that run's failed frames alone
  *
  * @typedef {object} Flight
  * @property {string} id
@@ -43,12 +46,8 @@
  *
  * @typedef {PoseRecord & {source: string, frame: number, time_s: number | null}} FrameRecord
  *
- * @typedef {object} FrameStages
- * @property {number} frame
- * @property {FrameRecord} result
- * @property {string} picture
- * @property {string} result_picture
- * @property {StageAnswer[]} stages
+ * @typedef {{role: "side" | "x" | "y" | "z", points: [number, number][]}} OutlineLine  shares of the
+ *   frame's width and height
  *
  * @typedef {object} Summary
  * @property {number} frames
@@ -118,17 +117,78 @@ export const listFrames = (id, wanted, signal) =>
   request("GET", path`/flights/${id}/frames` + query(wanted), { signal });
 
 /**
- * Address of a frame with its pose drawn over it, which takes no reading.
+ * @typedef {"neither" | "both" | "won" | "lost"} ChangeKind
+ *
+ * @typedef {object} Comparison  with another run
+ * @property {number} frames  that both read
+ * @property {number} only_first
+ * @property {number} only_second
+ * @property {number} won
+ * @property {number} lost
+ * @property {number} both
+ * @property {number} neither
+ * @property {{median_mm: number, p95_mm: number, worst_mm: number, worst_share: number | null, worst_frame: number} | null} moved
+ * @property {{first_frame: number, last_frame: number, won: number, lost: number, both: number, neither: number,
+ *   moved_max_mm: number | null}[]} columns
+ *
+ * @typedef {object} Change  of one frame
+ * @property {number} frame
+ * @property {ChangeKind} kind
+ * @property {number | null} moved_mm
+ * @property {number | null} moved_share
+ * @property {number | null} turned_deg
+ * @property {FrameRecord} own
+ * @property {FrameRecord} other
+ *
+ * @param {string} id
+ * @param {string} other
+ * @param {number} columns
+ * @returns {Promise<Comparison>}
+ */
+export const compareFlights = (id, other, columns) =>
+  request("GET", path`/flights/${id}/comparison/${other}` + query({ columns }));
+
+/**
+ * @param {string} id
+ * @param {string} other
+ * @param {{kind?: string, least_mm?: number, after?: number, before?: number, limit: number}} wanted
+ * @returns {Promise<{items: Change[], next_after: number | null}>}
+ */
+export const listChanges = (id, other, wanted) =>
+  request("GET", path`/flights/${id}/comparison/${other}/frames` + query(wanted));
+
+/**
+ * Address of a frame's picture, which takes no reading.
  * @param {string} id
  * @param {number} frame
+ * @param {{width?: number, outline?: boolean}} [wanted]  most pixels; the pad drawn over it
  */
-export const previewUrl = (id, frame) => ROOT + path`/flights/${id}/frames/${frame}/preview.jpg`;
+export const previewUrl = (id, frame, { width, outline = true } = {}) =>
+  ROOT + path`/flights/${id}/frames/${frame}/preview.jpg` + query({ width, outline: outline ? null : "false" });
 
-/** @param {string} id @param {number} frame @returns {Promise<FrameStages>} */
-export const getStages = (id, frame) => request("GET", path`/flights/${id}/frames/${frame}/stages`);
+/**
+ * A file of the small pictures of a group of frames; where they lack, their making begins.
+ * @param {string} id
+ * @param {number} group
+ * @returns {Promise<ArrayBuffer>}
+ */
+export async function getProxies(id, group) {
+  return (await send(ROOT + path`/flights/${id}/proxies/${group}`)).arrayBuffer();
+}
 
-/** @param {string} id @param {string} form */
-export const exportUrl = (id, form) => `${ROOT}${path`/flights/${id}/export`}/${form}`;
+/**
+ * Where the pad lies in frames, from one on.
+ * @param {string} id
+ * @param {{first_frame: number, limit: number}} wanted
+ * @returns {Promise<{items: {frame: number, lines: OutlineLine[]}[]}>}
+ */
+export const getOutlines = (id, wanted) => request("GET", path`/flights/${id}/outlines` + query(wanted));
+
+/** @param {string} id @param {string} form @param {string} [pad]  its `pad_id`, where one of several is wanted */
+export function exportUrl(id, form, pad = "") {
+  const url = `${ROOT}${path`/flights/${id}/export`}/${form}`;
+  return pad ? `${url}${form.includes("?") ? "&" : "?"}pad_id=${encodeURIComponent(pad)}` : url;
+}
 
 /**
  * The export for PX4, which needs the vehicle's own poses.

@@ -11,6 +11,7 @@ const DELAY_MS = 150;
  */
 export function makeLatestAnswer(onAnswer) {
   let asked = "";
+  let waits = false;
   let timer = 0;
   /** @type {AbortController | null} */
   let running = null;
@@ -19,10 +20,16 @@ export function makeLatestAnswer(onAnswer) {
   async function send(question) {
     running = new AbortController();
     try {
-      onAnswer(await question(running.signal), "");
+      tell(await question(running.signal), "");
     } catch (error) {
-      if (!isAbort(error)) onAnswer(null, messageOf(error));
+      if (!isAbort(error)) tell(null, messageOf(error));
     }
+  }
+
+  /** @param {T | null} answer @param {string} fault */
+  function tell(answer, fault) {
+    waits = false;
+    onAnswer(answer, fault);
   }
 
   return {
@@ -34,11 +41,14 @@ export function makeLatestAnswer(onAnswer) {
       if (key === asked) return;
       const isFirst = !asked;
       asked = key;
+      waits = true;
       window.clearTimeout(timer);
       running?.abort();
       // Who asks may be in the midst of showing the last answer.
-      if (!key) timer = window.setTimeout(() => onAnswer(null, ""), 0);
+      if (!key) timer = window.setTimeout(() => tell(null, ""), 0);
       else timer = window.setTimeout(() => void send(question), isFirst ? 0 : DELAY_MS);
     },
+    /** Whether the last answer is to an older question than the one asked. */
+    waits: () => waits,
   };
 }

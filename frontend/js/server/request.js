@@ -32,10 +32,14 @@ export async function send(url, init = {}) {
   return response;
 }
 
-/** @param {Record<string, string | Blob>} values */
+/** @typedef {Record<string, string | Blob | string[]>} FormValues  a list is a field that comes again */
+
+/** @param {FormValues} values */
 export function formOf(values) {
   const form = new FormData();
-  for (const [name, value] of Object.entries(values)) form.append(name, value);
+  for (const [name, value] of Object.entries(values)) {
+    for (const each of Array.isArray(value) ? value : [value]) form.append(name, each);
+  }
   return form;
 }
 
@@ -43,15 +47,15 @@ export function formOf(values) {
  * Ask the REST interface, and take JSON for an answer.
  * @param {string} method
  * @param {string} path
- * @param {{json?: unknown, form?: Record<string, string | Blob>, signal?: AbortSignal}} [options]
+ * @param {{json?: unknown, form?: FormValues, signal?: AbortSignal, keepalive?: boolean}} [options]
  * @returns {Promise<any>}
  */
-export async function request(method, path, { json, form, signal } = {}) {
+export async function request(method, path, { json, form, signal, keepalive = false } = {}) {
   /** @type {Record<string, string>} */
   const headers = { Accept: "application/json" };
   if (json !== undefined) headers["Content-Type"] = "application/json";
   const body = json === undefined ? form && formOf(form) : JSON.stringify(json);
-  const response = await send(ROOT + path, { method, signal, headers, body });
+  const response = await send(ROOT + path, { method, signal, headers, body, keepalive });
   return response.status === 204 ? null : response.json();
 }
 
@@ -122,10 +126,17 @@ export function fieldFaults(error) {
  * @param {string} url
  * @returns {Promise<File>}
  */
-export async function fetchFile(url) {
-  const response = await send(url);
+export const fetchFile = async (url) => fileOf(await send(url), url.split("/").pop() ?? "file");
+
+/**
+ * What was answered, as a file under the name that the server gives it.
+ * @param {Response} response
+ * @param {string} otherwise  its name where the server gives none
+ * @returns {Promise<File>}
+ */
+export async function fileOf(response, otherwise) {
   const header = response.headers.get("Content-Disposition") ?? "";
   const given = /filename\*=UTF-8''([^;]+)/.exec(header)?.[1];
-  const name = given ? decodeURIComponent(given) : url.split("/").pop();
-  return new File([await response.blob()], name ?? "file");
+  const name = given ? decodeURIComponent(given) : otherwise;
+  return new File([await response.blob()], name);
 }

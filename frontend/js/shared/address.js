@@ -14,6 +14,27 @@ export function writeAddress(values) {
   if (next !== location.pathname + location.search) history.replaceState(null, "", next);
 }
 
+// Browsers limit how often the address may change; a drag changes it at every frame.
+const LEAST_MS = 250;
+
+/**
+ * Keeps the address up to date: at once after a quiet time, else as soon as the limit allows.
+ * @param {() => Record<string, string | null>} state
+ * @returns {() => void} to call whenever the state may have changed
+ */
+export function addressKeeper(state) {
+  let waiting = 0;
+  let last = -Infinity;
+  const write = () => {
+    waiting = 0;
+    last = performance.now();
+    writeAddress(state());
+  };
+  return () => {
+    waiting ||= window.setTimeout(write, Math.max(0, last + LEAST_MS - performance.now()));
+  };
+}
+
 /** @returns {URLSearchParams} */
 export const readAddress = () => new URLSearchParams(location.search);
 

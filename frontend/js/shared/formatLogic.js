@@ -28,6 +28,9 @@ export function compact(value, decimals = 3) {
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
+/** @param {number} count @returns {string} such as "1 frame" */
+export const framesInWords = (count) => (count === 1 ? "1 frame" : `${number(count)} frames`);
+
 /**
  * A length in the unit that reads best: millimetres below two metres.
  * @param {number} mm

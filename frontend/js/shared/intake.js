@@ -10,6 +10,7 @@
  * @property {(pad: string, pads: PadSummary[]) => void} onPad  chosen id and the new list
  * @property {(camera: string, cameras: {presets: CameraSummary[], stored: CameraSummary[]}) => void} onCamera
  * @property {(files: File[]) => void} onPictures
+ * @property {(file: File) => Promise<string>} [onBundle]  what was done with a zip, in words
  * @property {(status: Status) => void} onStatus
  */
 
@@ -25,7 +26,7 @@ const HEAD_BYTES = 400;
 /**
  * @param {IntakeOptions} options
  */
-export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
+export function makeIntake({ known, onPad, onCamera, onPictures, onBundle, onStatus }) {
   /** @param {string} doing @param {string} place @param {() => Promise<string>} act */
   async function report(doing, place, act) {
     onStatus({ kind: "quiet", text: doing });
@@ -77,6 +78,13 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
   return {
     takePad,
     takeCamera,
+    /** @param {string} camera  id @param {number | null} readoutMs */
+    takeReadout: (camera, readoutMs) =>
+      report("Storing the readout time …", "", async () => {
+        const { id, name } = await api.setReadout(camera, readoutMs);
+        onCamera(id, await api.listCameras());
+        return `Stored the readout time of “${name}”.`;
+      }),
     /**
      * Pictures that the Plan page asks for in the address.
      * @param {string} query
@@ -98,7 +106,8 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onStatus }) {
         const kind = kindOfFile(file.name, head);
         if (kind === "pad") await takePad(file);
         else if (kind === "camera") await takeCamera(file);
-        else pictures.push(file);
+        else if (kind === "bundle" && onBundle) await report(`Opening ${file.name} …`, `${file.name}: `, () => onBundle(file));
+        else if (kind !== "truth") pictures.push(file);
       }
       if (pictures.length) onPictures(pictures);
     },

@@ -81,17 +81,23 @@ export function missingOrder({ pad, camera, files }) {
 }
 
 /**
- * Detector parameters that were typed as JSON.
- * @param {string} text
- * @returns {{params: Record<string, unknown>, fault: string}}
+ * Detector parameters as a sentence names them.
+ * @param {Record<string, unknown>} params  by group
  */
-export function paramsFrom(text) {
-  if (!text.trim()) return { params: {}, fault: "" };
-  try {
-    const params = JSON.parse(text);
-    if (params && typeof params === "object" && !Array.isArray(params)) return { params, fault: "" };
-  } catch {
-    // Said below.
-  }
-  return { params: {}, fault: 'Parameters are a JSON object, such as {"refine": {"most_borders": 1500}}.' };
+export function paramsInWords(params) {
+  const named = Object.entries(params).flatMap(([group, value]) =>
+    value && typeof value === "object"
+      ? Object.entries(value).map(([name, each]) => `${group}.${name} = ${each}`)
+      : [`${group} = ${value}`]);
+  return named.join(", ");
+}
+
+/**
+ * The frames of another run, as the server takes them; nothing where they stay as they are.
+ * @param {string} choice  "all", "same" or "failed"
+ * @param {string} reason  empty: any
+ */
+export function onlyValues(choice, reason) {
+  if (choice === "same") return {};
+  return { only: choice === "failed" ? { status: "failed", reason: reason || null } : null };
 }

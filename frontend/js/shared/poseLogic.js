@@ -22,6 +22,24 @@ export function verdict(record) {
   return `No pose: ${reasonInWords(record.reason ?? "")} at stage ${stageTitle(record.stage ?? "")}`;
 }
 
+/**
+ * The name of the pad that a pose is of.
+ * @param {PoseRecord} record
+ * @param {import("../server/answers.js").KnownPad[]} pads  those that were looked for
+ * @returns {string} its identity where it has no name; empty without a pose
+ */
+export const padName = ({ pad_id: printed = "" }, pads) =>
+  pads.find((pad) => pad.pad_id === printed)?.name || printed;
+
+/**
+ * Which of several pads it is; empty where there is no choice.
+ * @param {PoseRecord} record
+ * @param {import("../server/answers.js").KnownPad[]} pads
+ * @returns {string}
+ */
+export const padAmongSeveral = (record, pads) =>
+  pads.length > 1 && record.status === "ok" ? `pad “${padName(record, pads)}”` : "";
+
 /** @param {PoseRecord} record @returns {boolean} whether range and bearing alone can be used */
 export const isBearing = (record) => record.status === "ok" && record.quality === "bearing";
 
@@ -154,12 +172,20 @@ export function poseFacts(record) {
 }
 
 /**
+ * The pose alone, in the names and with all digits of a poses file.
+ * @param {PoseRecord} record  with status ok
+ * @returns {string}
+ */
+export const poseAsText = ({ position_mm, quaternion_xyzw, heading_deg, tilt_deg }) =>
+  JSON.stringify({ position_mm, quaternion_xyzw, heading_deg, tilt_deg });
+
+/**
  * What the pose rests on.
  * @param {PoseRecord} record  with status ok
- * @returns {[string, string][]}
+ * @returns {import("./components/facts.js").Facts}
  */
 export function evidenceFacts(record) {
-  /** @type {[string, string][]} */
+  /** @type {import("./components/facts.js").Facts} */
   const facts = [["Layer", record.layer ?? "–"]];
   facts.push(["Cells read", number(record.cells_read ?? 0)]);
   facts.push(["Cells that differ", number(record.cells_wrong ?? 0)]);
@@ -169,5 +195,6 @@ export function evidenceFacts(record) {
     facts.push(["Chance of a false match", `below ${powerOfTen(Math.ceil(record.log10_false_alarm))}`]);
   }
   facts.push(["Time", duration(record.elapsed_ms?.total ?? 0)]);
+  if (record.pad_id) facts.push(["Pad's printed id", record.pad_id, record.pad_id]);
   return facts;
 }

@@ -12,6 +12,7 @@
  * @property {"waiting" | "running" | "ok" | "failed" | "refused"} status
  * @property {DetectAnswer | null} answer
  * @property {string} message  why the server refused the picture
+ * @property {[number, number] | null} [turned]  its width and height, where it was refused as turned by a quarter
  */
 
 import { length } from "./formatLogic.js";
@@ -38,7 +39,9 @@ export function newFrame(file, fault = "") {
 export function frameOfAnswer(answer) {
   count += 1;
   const { source, status } = answer.result;
-  return { id: `f${count}`, name: source, file: null, status, answer, message: "" };
+  const number = answer.bundle?.recorded?.frame ?? null;
+  const name = number === null ? source : `${source}, frame ${number}`;
+  return { id: `f${count}`, name, file: null, status, answer, message: "" };
 }
 
 /**
@@ -52,15 +55,27 @@ export function withFrame(frames, id, change) {
 }
 
 /**
- * All pictures wait again, because the pad, the camera or the method changed. Results without a
- * file cannot be made anew and go.
+ * All pictures wait again, because the pad, the camera or the method changed. What has no file but
+ * is kept by the server stays, as the workbench reads it anew; results without either go.
  * @param {Frame[]} frames
  * @returns {Frame[]}
  */
 export function requeued(frames) {
   return frames
-    .filter((frame) => frame.file)
-    .map((frame) => ({ ...frame, status: "waiting", answer: null, message: "" }));
+    .filter((frame) => frame.file || frame.answer?.trace)
+    .map((frame) => (frame.file ? { ...frame, status: "waiting", answer: null, message: "", turned: null } : frame));
+}
+
+/**
+ * A frame without a file as the workbench read it last.
+ * @param {Frame} frame
+ * @param {{result: PoseRecord & {source: string}, image: {width: number, height: number}, camera_scale: number}} look
+ * @returns {Frame}
+ */
+export function withReading(frame, { result, image, camera_scale }) {
+  const { answer, file } = frame;
+  if (file || !answer) return frame;
+  return { ...frame, status: result.status, answer: { ...answer, result, results: [result], image, camera_scale } };
 }
 
 /**
@@ -112,24 +127,33 @@ export function tally(frames) {
 }
 
 /**
- * What a dropped file is: a picture, a camera or a pad.
+ * What a dropped file is: a picture, a camera, a pad, a bundle, or what simulated pictures show.
  * @param {string} name
  * @param {string} head  the text's beginning
- * @returns {"image" | "camera" | "pad"}
+ * @returns {"image" | "camera" | "pad" | "bundle" | "truth"}
  */
 export function kindOfFile(name, head) {
+  if (/\.zip$/i.test(name)) return "bundle";
   if (/\.ya?ml$/i.test(name)) return "camera";
+  if (/\.json$/i.test(name) && /^\s*\[/.test(head)) return "truth";
   if (/\.json$/i.test(name)) return head.includes("padstudio.pad") ? "pad" : "camera";
   return "image";
 }
 
+/** @param {string} name of a file @returns {boolean} true where it is a video's */
+export const isVideo = (name) => /\.(mp4|m4v|mov|mkv|avi|webm|ts|mts)$/i.test(name);
+
+/** @param {string} name of a file @returns {boolean} true where it is a picture's */
+export const isPicture = (name) => /\.(jpe?g|png|webp|tiff?|bmp)$/i.test(name);
+
 /**
  * Why a file need not even be sent; empty where it may.
- * @param {{size: number}} file
+ * @param {{size: number, name?: string}} file
  * @param {number} maxBytes
  * @returns {string}
  */
 export function faultBeforeUpload(file, maxBytes) {
+  if (isVideo(file.name ?? "")) return "This is a video. Flights reads videos, frame by frame.";
   if (file.size === 0) return "The file is empty. Choose a picture in JPEG, PNG, TIFF or WebP form.";
   if (maxBytes && file.size > maxBytes) {
     const mb = (/** @type {number} */ bytes) => Math.round(bytes / 1e6);

@@ -6,6 +6,7 @@
  * @property {import("../server/api.js").CameraSummary[]} stored  cameras to choose from
  * @property {import("../server/api.js").CameraSummary[]} presets
  * @property {string} pad  chosen id; empty: none yet
+ * @property {string[]} others  ids of more pads that may be in view
  * @property {string} camera  chosen id; empty: none yet
  * @property {string} method
  */
@@ -20,6 +21,7 @@ export const readingChoiceFrom = (address) => ({
   stored: [],
   presets: [],
   pad: address.get("pad") ?? "",
+  others: (address.get("others") ?? "").split(",").filter(Boolean),
   camera: address.get("camera") ?? "",
   method: address.get("method") === "paper" ? "paper" : "dense",
 });

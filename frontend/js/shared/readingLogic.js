@@ -7,7 +7,8 @@
  * @typedef {import("./components/choice.js").Group} Group
  */
 
-import { compact, number, size } from "./formatLogic.js";
+import { compact, length, number, size } from "./formatLogic.js";
+import { isBearing, padName, rangeInWords } from "./poseLogic.js";
 
 /** @param {PadSummary[]} pads @returns {Group[]} */
 export function padGroups(pads) {
@@ -31,12 +32,43 @@ export function cameraGroups(stored, presets) {
   ];
 }
 
+/**
+ * Pads besides the chosen one.
+ * @param {PadSummary[]} pads
+ * @param {string} chosen
+ */
+export const otherPads = (pads, chosen) =>
+  padGroups(pads.filter((pad) => pad.id !== chosen))[0].options;
+
+/**
+ * Ids of all pads that pictures may show, the chosen one first; those that are gone are left out.
+ * @param {{pads: PadSummary[], pad: string, others: string[]}} state
+ * @returns {string[]}
+ */
+export const padIds = ({ pads, pad, others }) =>
+  [pad, ...others.filter((id) => id !== pad && pads.some((each) => each.id === id))];
+
+/** @param {string} method @returns {string} as the choice of methods calls it */
+export const methodInWords = (method) => (method === "paper" ? "One window (paper)" : "All cells (dense)");
+
+/**
+ * What several pads mean for a reading; empty where there is one.
+ * @param {string[]} others
+ * @param {string} method
+ * @returns {string}
+ */
+export function othersNote(others, method) {
+  if (!others.length) return "";
+  if (method === "paper") return `${methodInWords(method)} reads one pad: choose ${methodInWords("dense")}, or untick the others.`;
+  return `${others.length + 1} pads are looked for; the result says which it is.`;
+}
+
 /** @param {PadSummary | undefined} pad @returns {string} */
 export function padNote(pad) {
   if (!pad) return "";
   const layers = pad.layers.map((layer) => `${layer.channel} ${layer.cols} × ${layer.rows}`);
   const unmixed = pad.crosstalk ? "; un-mixed by its test strip" : "";
-  return `${layers.join(", ")}; b ${pad.window}, Y ${pad.levels}${unmixed}`;
+  return `${layers.join(", ")}; window ${pad.window} × ${pad.window} cells, ${pad.levels} grey levels${unmixed}`;
 }
 
 /** @param {CameraSummary | undefined} camera @returns {string} */
@@ -51,6 +83,25 @@ export function cameraNote(camera) {
 function shutterInWords({ readout_ms: readout = null }) {
   if (readout === null) return "";
   return readout === 0 ? ", global shutter" : `, shutter rolls ${number(readout, 1)} ms`;
+}
+
+/** @param {number | null} readout @returns {string} what the field holds; empty where unknown */
+export const readoutText = (readout) => (readout === null ? "" : String(readout));
+
+/** Most of a shutter, ms. */
+const MOST_READOUT_MS = 1000;
+
+/**
+ * A readout time that was typed.
+ * @param {string} text
+ * @returns {{readout: number | null, fault: string}}
+ */
+export function readoutFrom(text) {
+  const trimmed = text.trim();
+  if (!trimmed) return { readout: null, fault: "" };
+  const readout = Number(trimmed.replace(",", "."));
+  if (readout >= 0 && readout <= MOST_READOUT_MS) return { readout, fault: "" };
+  return { readout: null, fault: `Milliseconds from 0 (a global shutter) to ${MOST_READOUT_MS}, or nothing where it is unknown.` };
 }
 
 /** @param {number[]} distortion */
@@ -77,7 +128,7 @@ export function namesInSample(padText, cameraText) {
 export function resultNotes(frame, camera) {
   const answer = frame?.answer;
   if (!answer) return [];
-  const notes = [];
+  const notes = alsoFound(answer);
   if (answer.camera_scale !== 1) {
     const { width, height } = answer.image;
     notes.push(
@@ -89,6 +140,18 @@ export function resultNotes(frame, camera) {
     notes.push("The camera is nominal: distances may be off by several percent until it is calibrated.");
   }
   return notes;
+}
+
+/**
+ * The pads that a picture shows besides the one that is told of in full.
+ * @param {import("../server/answers.js").DetectAnswer} answer
+ * @returns {string[]}
+ */
+function alsoFound({ results = [], pads = [] }) {
+  return results.slice(1).map((record) => {
+    const where = isBearing(record) ? rangeInWords(record) : `${length(record.position_mm?.[2] ?? 0)} below the camera`;
+    return `Also in the picture: the pad “${padName(record, pads)}”, ${where}.`;
+  });
 }
 
 /**

@@ -1,16 +1,9 @@
 /**
- * The stages of a trace, arranged for the page.
+ * The stages of a trace in words.
  *
  * @typedef {import("../server/answers.js").Channel} Channel
  * @typedef {import("../server/answers.js").Failure} Failure
  * @typedef {import("../server/answers.js").StageAnswer} StageAnswer
- *
- * @typedef {object} StageCard
- * @property {string} name
- * @property {string} title
- * @property {string} about
- * @property {StageAnswer[]} runs  one a channel, or a single one that serves all
- * @property {boolean} failed
  */
 
 /** @type {Record<string, {title: string, about: string}>} */
@@ -52,40 +45,38 @@ const REASONS = {
   channels_swapped: "red and blue exchanged",
   mirrored: "mirrored",
   inverted: "inverted",
+  black_frame: "black frame",
+  defocus: "out of focus",
+  another_pad: "another pad",
+  covered: "covered",
+  cut_off: "cut off by the picture's rim",
+  no_pad: "no pad in view",
+  monochrome: "no colours",
+  wrong_camera: "wrong camera file",
+  print_scale: "print out of proportion",
+  warped: "paper not flat",
 };
 
 /** @param {string} name @returns {string} */
 export const stageTitle = (name) => STAGES[name]?.title ?? words(name);
 
+/** What a stage does, in a few words. @param {string} name @returns {string} */
+export const stageAbout = (name) => STAGES[name]?.about ?? "";
+
 /** @param {string} reason @returns {string} */
 export const reasonInWords = (reason) => REASONS[reason] ?? words(reason).toLowerCase();
 
 /**
- * One card a stage, in the order they ran; the channels side by side.
- * @param {StageAnswer[]} stages
- * @returns {StageCard[]}
+ * What a second look found besides a failure, or to doubt of a pose, as failures of no stage.
+ * @param {import("../server/answers.js").PoseRecord} result
+ * @returns {{where: string, failure: Failure}[]}
  */
-export function arrangeStages(stages) {
-  /** @type {Map<string, StageCard>} */
-  const cards = new Map();
-  for (const run of stages) {
-    let card = cards.get(run.name);
-    if (!card) {
-      const about = STAGES[run.name]?.about ?? "";
-      card = { name: run.name, title: stageTitle(run.name), about, runs: [], failed: false };
-      cards.set(run.name, card);
-    }
-    // A stage that ran twice in a channel is shown as it ended.
-    card.runs = [...card.runs.filter((other) => other.channel !== run.channel), run];
-    card.runs.sort((a, b) => orderOf(a.channel) - orderOf(b.channel));
-    card.failed = card.runs.some((each) => each.failure);
-  }
-  const known = Object.keys(STAGES);
-  const place = (/** @type {StageCard} */ card) => {
-    const at = known.indexOf(card.name);
-    return at < 0 ? known.length : at;
-  };
-  return [...cards.values()].sort((a, b) => place(a) - place(b));
+export function findingsOf(result) {
+  const word = result.status === "ok" ? "Doubt" : "Also";
+  return (result.findings ?? []).map((finding) => ({
+    where: `${word}: ${reasonInWords(finding.reason)}`,
+    failure: { stage: "", ...finding },
+  }));
 }
 
 /**
@@ -94,74 +85,6 @@ export function arrangeStages(stages) {
  * @returns {StageAnswer[]}
  */
 export const stagesOf = (answer) => answer?.trace?.stages ?? [];
-
-/**
- * The channels that a trace went through, in the order of the page's columns.
- * @param {StageAnswer[]} stages
- * @returns {Channel[]}
- */
-export function channelsOf(stages) {
-  const found = new Set(stages.map((run) => run.channel));
-  return /** @type {Channel[]} */ (CHANNEL_ORDER).filter((channel) => found.has(channel));
-}
-
-/** @param {Channel | null} channel */
-const orderOf = (channel) => (channel ? CHANNEL_ORDER.indexOf(channel) : -1);
-
-/**
- * The card of the picture that sums the trace up.
- * @param {string | null} picture
- * @returns {StageCard[]}
- */
-export function resultCards(picture) {
-  if (!picture) return [];
-  const run = { name: "result", channel: null, elapsed_ms: 0, failure: null, picture, thumbnail: null };
-  const about = "Lattice, decoded cells and axes over the picture";
-  return [{ name: "result", title: "Result", about, runs: [run], failed: false }];
-}
-
-/**
- * The runs of a stage that are shown for a wish: a channel, or "both" side by side. A stage that
- * does not have the channel shows what it has.
- * @param {StageCard} card
- * @param {string} wish
- * @returns {StageAnswer[]}
- */
-export function runsFor(card, wish) {
-  const pictured = card.runs.filter((run) => run.picture);
-  if (wish === "both") return pictured;
-  return [pictured.find((run) => run.channel === wish) ?? pictured[0]].filter(Boolean);
-}
-
-/**
- * Cards that have a picture to enlarge.
- * @param {StageCard[]} cards
- * @returns {StageCard[]}
- */
-export const picturedCards = (cards) => cards.filter((card) => runsFor(card, "both").length);
-
-/**
- * The stage before or after one, among those with a picture.
- * @param {StageCard[]} cards
- * @param {string} stage
- * @param {1 | -1} step
- * @returns {string | null}
- */
-export function neighbour(cards, stage, step) {
-  const pictured = picturedCards(cards);
-  const at = pictured.findIndex((card) => card.name === stage);
-  return at < 0 ? null : (pictured[at + step]?.name ?? null);
-}
-
-/**
- * The wishes that a stage can fulfil, in the order a key cycles through them.
- * @param {StageCard} card
- * @returns {string[]}
- */
-export function wishes(card) {
-  const channels = runsFor(card, "both").map((run) => run.channel ?? "");
-  return channels.length > 1 ? [...channels, "both"] : [];
-}
 
 /** The stages of all channels come last. @param {Channel | null} channel */
 const rank = (channel) => (channel ? CHANNEL_ORDER.indexOf(channel) : CHANNEL_ORDER.length);

@@ -23,7 +23,7 @@ export const tests = {
     };
     const words = boundsInWords(bounds, 4000);
     equal(words, {
-      possible: "33\u202f554\u202f432", capacity: "14\u202f641 of 322\u202f638", largest: "571 × 571", outlook: "",
+      possible: "33\u202f554\u202f432", capacity: "14\u202f641 of 322\u202f638", largest: "571 × 571 cells", outlook: "",
     });
     contains(boundsInWords({ ...bounds, outlook: "long" }, 4000).outlook, "may take long");
     equal(boundsInWords({ ...bounds, log10_at_most: null }, 4000).capacity, "14\u202f641 of none");

@@ -16,6 +16,8 @@ const figures = {
   ],
   heights: null,
 };
+const file = { levels: 2, layers: [{ channel: "red", cell_mm: 500, codes: ["01", "10"] }] };
+const pad = { size: [1250, 1000], file };
 const column = (at, outcomes, stages = {}) => ({ column: at, first_frame: 10 * at, last_frame: 10 * at + 9, time_s: at, outcomes, stages });
 const timeline = {
   first_frame: 0, last_frame: 29, frames_per_column: 10,
@@ -44,7 +46,7 @@ export const tests = {
     contains(trajectoryInWords({ trajectory }), "1 frame shows range and bearing only");
     equal(trajectoryInWords(figures), "");
     const samples = figures.samples.map((sample, at) => ({ ...sample, quality: trajectory.quality[at] }));
-    const [, way, cones, names] = spaceChart({ ...figures, trajectory, samples }, [1250, 1000], palette).data;
+    const [way, cones, names] = spaceChart({ ...figures, trajectory, samples }, null, palette).data;
     equal([way.z, cones.z.length, names.text], [[null, null, 1.5], 1, ["3"]]);
     equal(samplesInWords(samples),
       "3 frames at equal distances; 2 is missing: no pose; 1 is missing: range and bearing only.");
@@ -55,15 +57,15 @@ export const tests = {
     equal([data[0].x, layout.xaxis.title], [[0, 5, 10], "Frame"]);
   },
   "cones open to where the camera looks; failed frames leave their number out": () => {
-    const { data } = spaceChart(figures, [1250, 1000], palette);
-    const [pad, , cones, names] = data;
-    equal([pad.type, pad.x, pad.y], ["surface", [-0.625, 0.625], [-0.5, 0.5]]);
+    const { data } = spaceChart(figures, pad, palette);
+    const [, cones, names, here, margin, cells] = data;
+    equal([here.name, margin.type, cells.facecolor.length], ["This frame", "mesh3d", 8]);
     equal([names.text, names.customdata], [["1", "3"], [0, 10]]);
     // A cone's vector leads from its base to its tip: up, where the camera looks down.
     equal(cones.w.map(Math.sign), [1, 1]);
     near(cones.v[1] / cones.w[1], -0.75, 1e-9);
     equal(cones.anchor, "tip");
-    equal(spaceChart(figures, null, palette).data.length, 3);
+    equal(spaceChart(figures, null, palette).data.length, 4);
   },
   "missing numbers are named": () => {
     contains(samplesInWords(figures.samples), "2 is missing");

@@ -3,9 +3,9 @@ import {
 } from "/static/js/flight/flightLogic.js";
 import { isOpen } from "/static/js/server/flightsApi.js";
 import { progressInWords, restInWords } from "/static/js/shared/flightStateLogic.js";
-import { hasPicture, sourceInWords, withPreview, withRecord, withStages } from "/static/js/flight/flightFrameLogic.js";
+import { hasPicture, shownOf, sourceInWords, withLook } from "/static/js/flight/flightFrameLogic.js";
 import { bytes, clock, percent } from "/static/js/shared/formatLogic.js";
-import { fusionOf, fusionValues, missingOrder, paramsFrom, rangeFault, rangeOf, rangeValues } from "/static/js/shared/orderLogic.js";
+import { fusionOf, fusionValues, missingOrder, onlyValues, paramsInWords, rangeFault, rangeOf, rangeValues } from "/static/js/shared/orderLogic.js";
 import { contains, equal } from "./check.js";
 
 const flight = (change = {}) => ({
@@ -63,10 +63,19 @@ export const tests = {
     equal(missingOrder({ pad: "1", camera: "2", files: 1 }), "");
     equal(missingOrder({ pad: "", camera: "", files: 0 }), "Choose a video or stills, a pad and a camera.");
   },
-  "parameters are an object": () => {
-    equal(paramsFrom(' {"a": {"b": 1}} '), { params: { a: { b: 1 } }, fault: "" });
-    equal(paramsFrom("").fault, "");
-    for (const text of ["{", "[1]", "3", "null"]) contains(paramsFrom(text).fault, "JSON object");
+  "parameters in words": () => {
+    equal(paramsInWords({ search: { least_step: 0.4, least_edges: 90 }, log10_false_alarm: -9 }),
+      "search.least_step = 0.4, search.least_edges = 90, log10_false_alarm = -9");
+    equal(paramsInWords({}), "");
+  },
+  "frames of another run": () => {
+    equal(onlyValues("same", "no_edges"), {});
+    equal(onlyValues("all", "no_edges"), { only: null });
+    equal([onlyValues("failed", ""), onlyValues("failed", "no_edges")],
+      [{ only: { status: "failed", reason: null } }, { only: { status: "failed", reason: "no_edges" } }]);
+    equal(rangeInWords({ first_frame: 0, end_frame: null, stride: 1, only: { flight: "f", reason: "no_edges" } }),
+      "all, of these only failed ones (no edges)");
+    contains(shownOf(5, null, flight({ state: "done", request: { only: { flight: "f", reason: null } } })).message, "no other frames");
   },
   "figures of the summary": () => {
     const qualities = { full: 55, bearing: 3, unknown: 0 };
@@ -93,25 +102,24 @@ export const tests = {
   },
   "two runs differ in what they differ in": () => {
     const other = flight({ request: { ...flight().request, method: "paper" } });
-    equal(differenceInWords(other, flight()), "Method: paper / dense");
+    equal(differenceInWords(other, flight()), "Method: One window (paper) / All cells (dense)");
     equal(differenceInWords(flight(), flight()), "the same settings");
+    equal(differenceInWords(flight({ id: "b" }), flight({ id: "a" })), "the same settings");
   },
-  "a frame comes piece by piece and never shows another one's result": () => {
-    let state = { shown: null, ...withRecord({ shown: null }, 12, record) };
-    equal([state.shown.status, state.stale, state.shown.answer.trace], ["ok", true, null]);
-    state = { ...state, ...withPreview(state, "p.jpg", { width: 8, height: 6 }) };
-    equal([state.shown.answer.trace.result_picture, state.shown.answer.image.width], ["p.jpg", 8]);
-    const stages = { result: record, result_picture: "r.webp", stages: [{ name: "pose" }] };
-    state = { ...state, ...withStages(state, 12, stages, { width: 80, height: 60 }) };
-    equal([state.stale, state.shown.answer.trace.stages.length, state.shown.answer.image.width], [false, 1, 80]);
-    state = { ...state, ...withRecord(state, 13, { ...record, frame: 13, status: "failed" }) };
-    equal([state.stale, state.shown.status, state.shown.answer.trace.result_picture], [true, "failed", "r.webp"]);
+  "a frame shows the flight's result until other settings are asked for": () => {
+    const shown = shownOf(12, record, flight());
+    equal([shown.status, shown.answer.trace, shown.name], ["ok", null, "Frame 12 · 0:00.40 · a.mp4"]);
+    const look = { result: { status: "failed", stage: "grid", source: "x" }, stages: [{ name: "pose", channel: null, elapsed_ms: 1, failure: null }] };
+    const same = withLook(shown, look, false);
+    equal([same.status, same.answer.trace.stages.map((run) => run.name), same.answer.result], ["ok", ["pose"], record]);
+    const other = withLook(shown, look, true);
+    equal([other.status, other.answer.result.stage, other.answer.result.source, other.answer.result.frame], ["failed", "grid", "a.mp4", 12]);
     const lost = { ...record, frame: 14, status: "failed", stage: "read", reason: "frame_lost" };
-    const empty = withRecord(state, 14, lost);
     equal([hasPicture(record), hasPicture(lost), hasPicture({ ...lost, reason: "internal_error" })], [true, false, true]);
-    equal([empty.stale, empty.shown.status, empty.shown.answer.trace], [false, "failed", null]);
-    equal(withRecord({ shown: null, flight: flight() }, 5, null).shown.status, "waiting");
-    equal(withRecord({ shown: null, flight: flight({ state: "done" }) }, 5, null).shown.status, "refused");
+    equal(shownOf(5, null, flight()).status, "waiting");
+    equal(shownOf(5, null, flight({ state: "done" })).status, "refused");
+    const nothing = shownOf(5, null, flight());
+    equal(withLook(nothing, look, true), nothing);
   },
   "sizes, shares and times": () => {
     equal([0, 999, 1500, 1_116_415, 32e9].map(bytes), ["0 B", "999 B", "1.5 kB", "1.1 MB", "32.0 GB"]);

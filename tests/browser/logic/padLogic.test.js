@@ -1,5 +1,5 @@
 import {
-  cellAt, layerPixels, layersOfView, levelShares, padFrame, viewOfPad, windowCode, windowRound,
+  cellAt, layerPixels, layersOfView, levelShares, padFrame, resizedFile, resizedView, viewOfPad, windowCode, windowRound,
 } from "/static/js/design/padLogic.js";
 import { placeInWords } from "/static/js/design/placeLogic.js";
 import { contains, equal } from "./check.js";
@@ -25,6 +25,16 @@ export const tests = {
   "levels above nine are letters": () => {
     const view = viewOfPad({ ...FILE, levels: 36, layers: [{ channel: "red", cell_mm: 1, codes: ["az"] }] });
     equal([...view.layers[0].levels], [10, 35]);
+  },
+  "a new size is what its file would be read as, whatever the ratio": () => {
+    for (const ratio of [1, 2, 2.5, 3]) {
+      const layers = [{ ...FILE.layers[0], cell_mm: 0.7 * ratio }, { ...FILE.layers[1], cell_mm: 0.7 }];
+      const old = { ...FILE, scale: [1.01, 1], crosstalk: [[1]], seed: 7, layers };
+      const file = resizedFile(old, { name: "new", cell_mm: 0.1, quiet_mm: 3 });
+      equal(file.layers[0].cell_mm, ratio * 0.1);
+      equal([file.name, file.seed, "scale" in file, "crosstalk" in file], ["new", 7, false, false]);
+      equal(resizedView(viewOfPad(old), file), viewOfPad(file));
+    }
   },
   "a layer lights its own channel, evenly spaced": () => {
     const pixels = layerPixels(red, 3);

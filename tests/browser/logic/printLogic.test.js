@@ -7,7 +7,7 @@ import { contains, equal } from "./check.js";
 const parse = (change) => parsePrint({ ...DEFAULT_PRINT, ...change });
 const PLAN = {
   paper: "A4", orientation: "portrait", paper_mm: [210, 297], page_mm: [400, 300], rows: 2, cols: 3,
-  count: 6, paper_m2: 0.3742, on_cells: true, x_seams_mm: [], y_seams_mm: [], sheets: [],
+  count: 6, paper_m2: 0.3742, on_cells: true, x_seams_mm: [], y_seams_mm: [], sheets: [{ name: "A1" }, { name: "B3" }],
 };
 const PAD = {
   name: "p", window: 5, levels: 2, quietMm: 4, widthMm: 60, heightMm: 40,
@@ -62,10 +62,11 @@ export const tests = {
   },
   "sheets, paper and cells in words": () => {
     const facts = Object.fromEntries(planFacts(PLAN));
-    equal(facts.Sheets, "6, A4 portrait");
+    equal(facts.Sheets, "6 of paper size A4, portrait");
+    equal(facts["Sheet names"], "A1 to B3");
     equal(facts.Joined, "2 × 3 sheets, 400 × 300 mm");
     equal([facts["Total paper"], facts.Seams], ["0.37 m²", "on cell edges"]);
-    equal(planFacts({ ...PLAN, count: 1, paper: "own size" })[0], ["Sheets", "1, own size"]);
+    equal(planFacts({ ...PLAN, count: 1, paper: "own size" })[0], ["Sheets", "1 of the pad's own size"]);
     equal(cellFacts(PAD, [1, 1]), [["One red cell", "10 mm"], ["One blue cell", "20 mm"]]);
     equal(cellFacts(PAD, [0.996, 1])[1], ["One blue cell", "19.92 × 20 mm"]);
   },

@@ -1,8 +1,11 @@
-import { cameraGroups, missing, namesInSample, resultNotes } from "/static/js/shared/readingLogic.js";
+import {
+  cameraGroups, missing, namesInSample, otherPads, othersNote, padIds, readoutFrom, readoutText, resultNotes,
+} from "/static/js/shared/readingLogic.js";
+import { padAmongSeveral } from "/static/js/shared/poseLogic.js";
 import { compact, duration, length, moment, number, powerOfTen } from "/static/js/shared/formatLogic.js";
 import {
   faultBeforeUpload, frameNote, frameOfAnswer, kindOfFile, newFrame, nextWaiting, requeued, tally,
-  withFrame,
+  withFrame, withReading,
 } from "/static/js/shared/queueLogic.js";
 import { contains, equal } from "./check.js";
 
@@ -26,18 +29,31 @@ export const tests = {
     const again = requeued([frameOfAnswer(answer("ok")), ...done]);
     equal(again.map((frame) => [frame.status, frame.message]), Array(3).fill(["waiting", ""]));
   },
+  "what the server keeps stays under new terms, and is as the workbench read it last": () => {
+    const kept = frameOfAnswer({ ...answer("ok"), trace: { id: "t" } });
+    equal(requeued([kept]), [kept]);
+    const look = { result: answer("failed").result, image: { width: 16, height: 9 }, camera_scale: 1, stages: [] };
+    const read = withReading(kept, look);
+    equal([read.status, frameNote(read), read.answer.trace.id, read.answer.image.width], ["failed", "Lines: too few lines", "t", 16]);
+    const own = frames()[0];
+    equal(withReading(own, look), own);
+  },
   "a frame says in a few words what became of it": () => {
     equal(frameNote(frameOfAnswer(answer("ok"))), "512 mm, blue");
     equal(frameNote(frameOfAnswer(answer("failed"))), "Lines: too few lines");
     equal(frameNote(newFrame(new File([], "x"), "The file is empty.")), "not readable");
+  },
+  "a frame of a flight that a bundle brings is named by its number": () => {
+    equal(frameOfAnswer({ ...answer("ok"), bundle: { recorded: { frame: 7 } } }).name, "a.jpg, frame 7");
+    equal(frameOfAnswer({ ...answer("ok"), bundle: { recorded: null } }).name, "a.jpg");
   },
   "the tally leaves out what is not there": () => {
     equal(tally([frameOfAnswer(answer("ok")), ...frames()]), "1 with a pose, 3 to read");
     equal(tally([]), "");
   },
   "a file is known by its name and beginning": () => {
-    const kinds = [["x.YAML", ""], ["x.json", '{"format": "padstudio.pad"'], ["x.json", "{}"], ["x.jpg", ""]];
-    equal(kinds.map(([name, head]) => kindOfFile(name, head)), ["camera", "pad", "camera", "image"]);
+    const kinds = [["x.YAML", ""], ["x.json", '{"format": "padstudio.pad"'], ["x.json", "{}"], ["x.jpg", ""], ["x.ZIP", ""], ["truth.json", '[\n {"file": "a.jpg"']];
+    equal(kinds.map(([name, head]) => kindOfFile(name, head)), ["camera", "pad", "camera", "image", "bundle", "truth"]);
   },
   "pictures that show range and bearing alone are counted apart": () => {
     const far = frameOfAnswer({ ...answer("ok"), result: { ...answer("ok").result, quality: "bearing", range_mm: 16_200 } });
@@ -49,6 +65,8 @@ export const tests = {
     contains(faultBeforeUpload({ size: 0 }, 9e6), "empty");
     contains(faultBeforeUpload({ size: 12e6 }, 9e6), "12 MB; the limit is 9 MB");
     equal(faultBeforeUpload({ size: 9e6 }, 9e6), "");
+    contains(faultBeforeUpload({ size: 9e6, name: "a.MP4" }, 9e6), "Flights reads videos");
+    equal(faultBeforeUpload({ size: 9e6, name: "a.jpg" }, 9e6), "");
   },
   "what is still missing": () => {
     equal(missing({ pad: "", camera: "", frames: [] }), "Choose a pad, a camera and a picture.");
@@ -60,6 +78,27 @@ export const tests = {
     contains(notes[0], "scaled by 0.5");
     contains(notes[1], "nominal");
     equal(resultNotes(null, undefined), []);
+  },
+  "of several pads, what is offered, asked for and told": () => {
+    const pads = ["a", "b", "c"].map((id) => ({ id, name: id.toUpperCase(), size_mm: [100, 100] }));
+    equal(otherPads(pads, "b").map(({ id }) => id), ["a", "c"]);
+    equal(padIds({ pads, pad: "b", others: ["c", "b", "gone"] }), ["b", "c"]);
+    equal(othersNote([], "dense"), "");
+    contains(othersNote(["c"], "dense"), "2 pads are looked for");
+    contains(othersNote(["c"], "paper"), "reads one pad");
+    const known = [{ id: "a", name: "A", pad_id: "AAAA" }, { id: "b", name: "B", pad_id: "BBBB" }];
+    const found = { ...answer("ok"), camera_scale: 1, pads: known };
+    const first = { ...found.result, pad_id: "BBBB" };
+    const results = [first, { ...first, pad_id: "AAAA", quality: "full", position_mm: [0, 0, 2345] }];
+    equal(padAmongSeveral(first, known), "pad “B”");
+    equal([padAmongSeveral(first, known.slice(0, 1)), padAmongSeveral({ status: "failed" }, known)], ["", ""]);
+    equal(resultNotes(frameOfAnswer({ ...found, results }), undefined),
+      ["Also in the picture: the pad “A”, 2.35 m below the camera."]);
+  },
+  "a readout time as it is typed": () => {
+    equal(["", " 18,5 ", "0", "1000"].map((text) => readoutFrom(text).readout), [null, 18.5, 0, 1000]);
+    for (const text of ["-1", "fast", "1001"]) contains(readoutFrom(text).fault, "Milliseconds from 0");
+    equal([readoutText(null), readoutText(0), readoutText(18.5)], ["", "0", "18.5"]);
   },
   "calibrated cameras stand before nominal ones": () => {
     const camera = (id, nominal) => ({ id, name: id, width: 4, height: 3, nominal });

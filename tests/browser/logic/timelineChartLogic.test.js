@@ -1,4 +1,4 @@
-import { cellsOf, lineOf, timelineChart } from "/static/js/flight/timelineChartLogic.js";
+import { cellsOf, kindsOf, kindsShown, lineOf, timelineChart } from "/static/js/flight/timelineChartLogic.js";
 import { equal, near } from "./check.js";
 
 // OUTCOMES: red, green, blue, outline, failed, bearing; older answers lack the last.
@@ -15,16 +15,22 @@ const chart = (change = {}) =>
   timelineChart({ timeline: TIMELINE, other: null, part: PART, ...change }, (name) => name, 500, 144);
 
 export const tests = {
-  "outcomes by their shares, from the foot up": () => {
-    equal(cellsOf(column(0, [2, 0, 0, 1, 0])), [0, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3]);
-    equal(cellsOf(column(0, [0, 0, 8, 0, 0])), new Array(11).fill(2));
+  "a channel's frames by their shares, from the foot up": () => {
+    equal(cellsOf(column(0, [2, 0, 0, 1, 0]), "red"), [0, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2]);
+    equal(cellsOf(column(0, [2, 0, 0, 1, 0]), "blue"), [2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3]);
+    equal(cellsOf(column(0, [0, 0, 8, 0, 0]), "blue"), new Array(11).fill(0));
   },
-  "poses of which range and bearing alone are known stand between the others and the failures": () => {
-    equal(cellsOf(column(0, [4, 0, 0, 0, 3, 4])), [0, 0, 0, 0, 5, 5, 5, 5, 4, 4, 4]);
+  "failures stand on top, by the stage of each channel": () => {
+    const failed = { ...column(0, [5, 0, 0, 0, 6]), stages: { decode: 6 }, failed_at: { red: { lines: 6 }, blue: { decode: 4 } } };
+    equal(cellsOf(failed, "red"), [0, 0, 0, 0, 0, 8, 8, 8, 8, 8, 8]);
+    equal(kindsOf(failed, "blue"), { own: 0, bearing: 0, outline: 0, other: 5, decode: 4, unseen: 2 });
+    const old = { ...failed, failed_at: undefined };
+    equal([kindsOf(old, "red").decode, kindsOf(old, "blue").decode], [6, 6]);
   },
   "a single failure among many is seen": () => {
-    equal(cellsOf(column(0, [999, 0, 0, 0, 1])), [0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4]);
-    equal(cellsOf(column(0, [0, 0, 0, 0, 1])), new Array(11).fill(4));
+    const one = { ...column(0, [999, 0, 0, 0, 1]), stages: { grid: 1 } };
+    equal(cellsOf(one, "red"), [0, 0, 0, 0, 0, 0, 0, 0, 9, 9, 9]);
+    equal(kindsShown([{ ...TIMELINE, columns: [one] }]), ["own", "other", "grid"]);
   },
   "the line breaks where no frame has a pose; a column alone is a dot": () => {
     const { x, y } = lineOf(TIMELINE, 0.1, {});
@@ -36,17 +42,17 @@ export const tests = {
     equal([strip.type, strip.z.length, strip.z[0].length], ["heatmap", 11, 5]);
     equal(strip.z.map((row) => row[3]), new Array(11).fill(null));
     equal([strip.x0, strip.dx], [4.5, 10]);
-    equal(strip.colorscale.slice(0, 3), [[0, "red"], [1 / 6, "red"], [1 / 6, "green"]]);
+    equal(strip.colorscale.slice(0, 3), [[0, "red"], [1 / 12, "red"], [1 / 12, "bearing"]]);
   },
-  "strips of 22 pixels below, of both runs, and heights above": () => {
+  "a strip of 16 pixels for each channel below, of both runs, and heights above": () => {
     const one = chart().layout;
-    near(one.yaxis2.domain[1] * 144, 22);
-    near(one.yaxis.domain[0] * 144, 28);
+    near(one.yaxis2.domain[0] * 144, 19);
+    near(one.yaxis3.domain[1] * 144, 16);
+    near(one.yaxis.domain[0] * 144, 41);
     const both = chart({ other: TIMELINE });
-    near(both.layout.yaxis2.domain[0] * 144, 25);
-    near(both.layout.yaxis3.domain[1] * 144, 22);
-    equal(both.data.map((trace) => trace.type), ["heatmap", "heatmap", "scatter", "scatter"]);
-    equal(both.data.slice(2).map((trace) => trace.line.color), ["ink-3", "ink"]);
+    near(both.layout.yaxis5.domain[1] * 144, 16);
+    equal(both.data.map((trace) => trace.type), [...new Array(4).fill("heatmap"), "scatter", "scatter"]);
+    equal(both.data.slice(4).map((trace) => trace.line.color), ["ink-3", "ink"]);
   },
   "a part of the flight spans the width; heights from 0": () => {
     const { layout } = chart({ part: { first: 10, last: 29 } });
@@ -57,6 +63,6 @@ export const tests = {
   "without a pose there are outcomes alone": () => {
     const none = { ...TIMELINE, columns: [column(0, [0, 0, 0, 0, 10])] };
     const { data, layout } = chart({ timeline: none });
-    equal([data.length, layout.yaxis.visible], [1, false]);
+    equal([data.length, layout.yaxis.visible], [2, false]);
   },
 };

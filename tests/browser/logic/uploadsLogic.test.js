@@ -1,6 +1,6 @@
 import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/server/tusLogic.js";
 import {
-  fromStorage, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
+  fewPictures, fromStorage, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
 } from "/static/js/flights/uploadsLogic.js";
 import { contains, equal } from "./check.js";
 
@@ -9,6 +9,11 @@ const chosen = (names, folder = "") => names.map((name) => ({ file: file(name), 
 const KB = 1024;
 
 export const tests = {
+  "a few pictures alone may be meant for Diagnose": () => {
+    const few = (...names) => fewPictures(names.map((name) => ({ name })));
+    equal([few("a.jpg"), few("a.PNG", "b.tif", "c.webp")], [true, true]);
+    equal([few(), few("a.mp4"), few("a.jpg", "b.srt"), few("a.jpg", "b.jpg", "c.jpg", "d.jpg")], [false, false, false, false]);
+  },
   "metadata is base64 of UTF-8": () => {
     equal(metadata({ filename: "flug ü.mp4" }), `filename ${btoa("flug \u00c3\u00bc.mp4")}`);
   },

@@ -24,14 +24,14 @@ export const tests = {
   "the other layers are checked too": () => {
     const blue = { channel: "blue", unique: true, unique_under_rotation: false, min_distance: 2 };
     const { facts, fault } = verificationFacts({ ...CHECK, others: [blue] });
-    equal([facts.at(-1), fault], [["The blue layer's", "as printed, ≥ 2"], ""]);
+    equal([facts.at(-1), fault], [["The blue layer's", "as printed, ≥ 2 cells"], ""]);
     const twice = verificationFacts({ ...CHECK, others: [{ ...blue, unique: false }] });
     contains(twice.fault, "twice in the blue layer");
   },
   "layers beside each other": () => {
     const pair = { channels: ["red", "blue"], relation: "independent", shared: 0, is_corner: false, min_distance: 3 };
     const apart = verificationFacts({ ...CHECK, apart: [pair] });
-    equal([apart.facts.at(-1), apart.warning], [["The layers", "independent, ≥\u00a03"], ""]);
+    equal([apart.facts.at(-1), apart.warning], [["The layers", "independent, ≥\u00a03\u00a0cells"], ""]);
     const copy = verificationFacts({ ...CHECK, apart: [{ ...pair, relation: "shared", shared: 441, is_corner: true }] });
     contains(copy.facts.at(-1)[1], "441 windows in both: one copies");
     contains(copy.warning, "reads as another height");

@@ -23,7 +23,7 @@ const GRID_FROM_PX = 10;
 const DIGITS_FROM_PX = 26;
 const LEAST_MARK_PX = 16;
 
-/** @type {WeakMap<LayerView, HTMLCanvasElement>} */
+/** @type {WeakMap<Uint8Array, HTMLCanvasElement>}  by the levels, which a new size keeps */
 const sprites = new WeakMap();
 
 /**
@@ -33,14 +33,14 @@ const sprites = new WeakMap();
  * @returns {HTMLCanvasElement}
  */
 function sprite(layer, levels) {
-  let canvas = sprites.get(layer);
+  let canvas = sprites.get(layer.levels);
   if (!canvas) {
     canvas = document.createElement("canvas");
     canvas.width = layer.cols;
     canvas.height = layer.rows;
     const pixels = new ImageData(layerPixels(layer, levels), layer.cols, layer.rows);
     canvas.getContext("2d")?.putImageData(pixels, 0, 0);
-    sprites.set(layer, canvas);
+    sprites.set(layer.levels, canvas);
   }
   return canvas;
 }

@@ -10,7 +10,6 @@
  * @property {Texts} errors
  * @property {string} fault  why no sheets can be planned
  * @property {Facts} facts
- * @property {string} warning  a dead band between the layers
  * @property {[string, string]} rulers  what the printed rulers read
  * @property {boolean} isSaved
  * @property {{facts: Facts, warnings: string[], note: string, kept: boolean} | null} strip  what a
@@ -49,14 +48,13 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto, onStr
 
   return {
     /** @param {PrintPanelState} state */
-    update({ texts, errors, fault, facts: shown, warning, rulers: read, isSaved, strip }) {
+    update({ texts, errors, fault, facts: shown, rulers: read, isSaved, strip }) {
       form.update({ texts, errors });
       find("custom").hidden = texts.paper !== "custom";
       find("overlap").hidden = texts.joint !== "overlap";
       find("sheet-options").toggleAttribute("inert", texts.paper === "own");
       find("fault").textContent = fault;
       facts.update(shown);
-      find("warning").textContent = warning;
       // Readings being typed stay until the pad's own change.
       if (read.join() !== shownRulers) {
         shownRulers = read.join();

@@ -13,6 +13,8 @@ const BORDER_PX = 2;
 const FONT_PX = 12;
 // Names of sheets smaller than this would run into each other.
 const NAMED_FROM_PX = 26;
+// "A1" alone is a paper size, too.
+const FULLY_FROM_PX = 72;
 
 /** @param {HTMLElement} root  holds a canvas and an SVG over it */
 export function mountSheetPreview(root) {
@@ -33,10 +35,12 @@ export function mountSheetPreview(root) {
     );
     paintPad(canvas, pad, "print", { x: width / 2, y: height / 2, scale });
     svg.setAttribute("viewBox", `0 0 ${view.width} ${view.height}`);
-    svg.setAttribute("aria-label", `${plan.count} sheets in ${plan.rows} rows of ${plan.cols}`);
+    svg.setAttribute("aria-label", `Plan of the sheets: ${plan.rows} × ${plan.cols}`);
     const left = (view.width - width * scale) / 2;
     const top = (view.height - height * scale) / 2;
-    svg.replaceChildren(...plan.sheets.flatMap((sheet) => drawSheet(plan, sheet, { left, top, scale })));
+    const narrowest = scale * Math.min(...plan.sheets.map(({ core_mm: [x0, , x1] }) => x1 - x0));
+    const word = narrowest < FULLY_FROM_PX ? "" : "Sheet ";
+    svg.replaceChildren(...plan.sheets.flatMap((sheet) => drawSheet(plan, sheet, { left, top, scale, word })));
   }
   new ResizeObserver(paint).observe(canvas);
 
@@ -53,10 +57,10 @@ export function mountSheetPreview(root) {
 /**
  * @param {SheetPlan} plan
  * @param {SheetPlan["sheets"][number]} sheet
- * @param {{left: number, top: number, scale: number}} place
+ * @param {{left: number, top: number, scale: number, word: string}} place  the word before names
  * @returns {SVGElement[]}
  */
-function drawSheet(plan, sheet, { left, top, scale }) {
+function drawSheet(plan, sheet, { left, top, scale, word }) {
   const [x0, y0, x1, y1] = sheet.core_mm;
   const box = {
     x: left + x0 * scale,
@@ -68,9 +72,8 @@ function drawSheet(plan, sheet, { left, top, scale }) {
   const shapes = [titled(draw("rect", { ...box, class: "sheet" }), about)];
   if (plan.count > 1 && Math.min(box.width, box.height) >= NAMED_FROM_PX) {
     const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
-    shapes.push(
-      draw("text", { ...middle, dy: FONT_PX * 0.36, class: "sheet-name", "font-size": FONT_PX }, sheet.name),
-    );
+    const name = word + sheet.name;
+    shapes.push(draw("text", { ...middle, dy: FONT_PX * 0.36, class: "sheet-name", "font-size": FONT_PX }, name));
   }
   return shapes;
 }

@@ -76,7 +76,7 @@ function bars(check) {
     const middle = x + step / 2;
     const box = { x: x + CHART.gap / 2, y: top, width: step - CHART.gap, height };
     return [
-      titled(draw("rect", { ...box, class: "bar-box" }), `${number(count)} windows at ${label}`),
+      titled(draw("rect", { ...box, class: "bar-box" }), `${number(count)} windows, the nearest other ${label} cells off`),
       draw("text", { x: middle, y: top - 4, class: "bar-count" }, number(count)),
       draw("text", { x: middle, y: CHART.height - 4, class: "bar-label" }, label),
     ];

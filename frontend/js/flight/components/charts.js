@@ -11,11 +11,16 @@
  * @property {Figures | null} otherFigures  of a second run
  * @property {Timeline | null} coarse  the whole flight in few columns
  * @property {Timeline | null} otherCoarse
- * @property {[number, number] | null} padSize  mm
+ * @property {import("../padSurfaceLogic.js").PadPicture | null} pad
+ * @property {{frame: number, timeS: number | null} | null} at  the frame that is looked at
  */
 
 import * as logic from "../figuresLogic.js";
+import { SERIES, seriesChart, seriesColumns } from "../seriesChartLogic.js";
 import { mountPlot } from "../../shared/components/plot.js";
+
+/** Charts whose x axis is another than time. */
+const UNTIMED = ["space", "heights"];
 
 /**
  * @param {HTMLElement} root
@@ -29,7 +34,8 @@ export function mountCharts(root, { onSeek, onVisible }) {
   /** @type {ChartState | null} */
   let state = null;
   let visible = false;
-  let drawn = "";
+  /** @type {unknown[]} */
+  let drawn = [];
 
   /** @param {string} name @param {string} note @param {((palette: logic.Palette) => Chart) | null} make */
   function show(name, note, make) {
@@ -43,17 +49,21 @@ export function mountCharts(root, { onSeek, onVisible }) {
 
   function draw() {
     if (!visible || !state?.figures || !state.coarse) return;
-    const key = JSON.stringify(state);
-    if (key === drawn) return;
-    drawn = key;
-    const { figures, otherFigures, coarse, otherCoarse, padSize } = state;
+    const { figures, otherFigures, coarse, otherCoarse, pad } = state;
+    const wanted = [figures, otherFigures, coarse, otherCoarse, pad];
+    if (wanted.every((each, at) => each === drawn[at])) return;
+    drawn = wanted;
     const { heights } = figures;
     const fails = coarse.columns.some((column) => Object.keys(column.stages).length);
     show("trajectory", logic.trajectoryInWords(figures), (palette) => logic.trajectoryChart(figures, otherFigures, palette));
+    for (const name of /** @type {(keyof typeof SERIES)[]} */ (Object.keys(SERIES))) {
+      const has = seriesColumns(figures, name).length > 0;
+      show(name, "", has ? (palette) => seriesChart(figures, otherFigures, name, palette) : null);
+    }
     show("outcomes", "", (palette) => logic.outcomesChart(coarse, otherCoarse, palette));
     show("stages", "", fails ? (palette) => logic.stagesChart(coarse, palette) : null);
     show("heights", logic.heightsInWords(heights), heights && ((palette) => logic.heightsChart(heights, palette)));
-    show("space", logic.samplesInWords(figures.samples), (palette) => logic.spaceChart(figures, padSize, palette));
+    show("space", logic.samplesInWords(figures.samples), (palette) => logic.spaceChart(figures, pad, palette));
   }
 
   new IntersectionObserver((entries) => {
@@ -69,6 +79,12 @@ export function mountCharts(root, { onSeek, onVisible }) {
       root.hidden = !enabled;
       state = next;
       draw();
+      const { figures, at } = next;
+      if (!figures) return;
+      const timed = logic.isTimed(figures.trajectory);
+      const value = at ? (timed ? at.timeS : at.frame) : null;
+      for (const [name, plot] of plots) if (!UNTIMED.includes(name)) plot.cursor(value);
+      plots.get("space")?.mark(logic.markIn(figures, at?.frame ?? null));
     },
   };
 }

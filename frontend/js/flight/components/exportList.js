@@ -14,7 +14,7 @@ export function mountExportList(root, id, { onVehicle }) {
     ...EXPORTS.map(({ form, name, about }) => {
       const link = document.createElement("a");
       link.className = "export-link";
-      link.href = exportUrl(id, form);
+      link.dataset.form = form;
       link.download = "";
       const note = Object.assign(document.createElement("span"), { className: "quiet", textContent: about });
       link.append(Object.assign(document.createElement("span"), { textContent: name }), " ", note);
@@ -29,10 +29,28 @@ export function mountExportList(root, id, { onVehicle }) {
     input.value = "";
     if (file) onVehicle(file);
   });
+  const find = (/** @type {string} */ name) => /** @type {any} */ (root.querySelector(`[data-ref=${name}]`));
+  let offered = "";
+
+  function lead() {
+    for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (list.querySelectorAll("a"))) {
+      link.href = exportUrl(id, link.dataset.form ?? "", find("pad").value);
+    }
+  }
+  find("pad").addEventListener("change", lead);
+  lead();
+
   return {
-    /** @param {{enabled: boolean}} state */
-    update({ enabled }) {
+    /** @param {{enabled: boolean, pads: import("../../server/answers.js").KnownPad[]}} state */
+    update({ enabled, pads }) {
       root.hidden = !enabled;
+      find("pad-field").hidden = pads.length < 2;
+      const key = JSON.stringify(pads);
+      if (key === offered) return;
+      offered = key;
+      const each = pads.map(({ name, pad_id: printed }) => new Option(name || printed, printed));
+      find("pad").replaceChildren(new Option("all pads", ""), ...each);
+      lead();
     },
   };
 }

@@ -2,13 +2,24 @@
  * The form of another run: what differs from the first.
  *
  * @typedef {import("../../server/flightsApi.js").Flight} Flight
+ * @typedef {Record<string, any>} Params  of the detector, by group
+ *
+ * @typedef {object} Beginning  what the form begins with
+ * @property {Flight} flight
+ * @property {Params} params  as the workbench has them
+ * @property {boolean} isTuned  they are chosen
+ * @property {{reason: string, text: string}[]} reasons  for which frames failed
+ * @property {string} reason  empty: any
  */
 
 import * as api from "../../server/api.js";
+import { isOpen } from "../../server/flightsApi.js";
 import { messageOf } from "../../server/request.js";
 import { cameraGroups, cameraNote, padGroups, padNote } from "../../shared/readingLogic.js";
 import { makeIntake } from "../../shared/intake.js";
-import { fusionOf, fusionValues, paramsFrom, rangeFault, rangeOf, rangeValues } from "../../shared/orderLogic.js";
+import {
+  fusionOf, fusionValues, onlyValues, paramsInWords, rangeFault, rangeOf, rangeValues,
+} from "../../shared/orderLogic.js";
 import { mountChoice } from "../../shared/components/choice.js";
 
 /**
@@ -24,6 +35,7 @@ export function mountRerunDialog(dialog, { onRun }) {
     presets: /** @type {api.CameraSummary[]} */ ([]),
     pad: "",
     camera: "",
+    /** @type {Record<string, Params>} */ params: {},
   };
   const padChoice = mountChoice(byId("pad"), {
     onChoose: (pad) => set({ pad }),
@@ -59,21 +71,36 @@ export function mountRerunDialog(dialog, { onRun }) {
     stride: byId("stride").value,
   });
 
+  const chosen = (/** @type {string} */ id) => byId(id).querySelector("input:checked").value;
+  const choose = (/** @type {string} */ id, /** @type {string} */ value) => {
+    for (const input of byId(id).querySelectorAll("input")) input.checked = input.value === value;
+  };
+  /** @param {string} id @param {string} value @param {boolean} isOffered */
+  const offer = (id, value, isOffered) => {
+    byId(id).querySelector(`input[value=${value}]`).closest("label").hidden = !isOffered;
+    // One choice is none.
+    byId(id).hidden = byId(id).querySelectorAll("label:not([hidden])").length < 2;
+  };
+
+  /** What the choices mean. */
+  function note() {
+    find("params-note").textContent = paramsInWords(state.params[chosen("params")]) || "None is changed.";
+    find("reason-field").hidden = chosen("only") !== "failed";
+  }
+
   /** @param {Event} event */
   async function submit(event) {
     event.preventDefault();
-    const { params, fault } = paramsFrom(byId("params").value);
-    byId("params-error").textContent = fault;
     byId("range-error").textContent = rangeFault(range());
-    if (fault || rangeFault(range())) return;
-    const chosen = (/** @type {string} */ id) => byId(id).querySelector("input:checked").value;
+    if (rangeFault(range())) return;
     try {
       await onRun({
         // What was chosen by its id may be gone; the run keeps copies of its own.
         ...(state.pad ? { pad: state.pad } : {}),
         ...(state.camera ? { camera: state.camera } : {}),
         method: chosen("method"),
-        params,
+        params: state.params[chosen("params")],
+        ...onlyValues(chosen("only"), byId("reason").value),
         ...fusionValues(chosen("fusion")),
         ...rangeValues(range()),
       });
@@ -84,21 +111,31 @@ export function mountRerunDialog(dialog, { onRun }) {
   }
 
   find("form").addEventListener("submit", submit);
+  find("form").addEventListener("change", note);
   find("close").addEventListener("click", () => dialog.close());
 
   return {
-    /** @param {Flight} flight  whose settings the form begins with */
-    async open({ request }) {
+    /** @param {Beginning} beginning */
+    async open({ flight, params, isTuned, reasons, reason }) {
+      const { request } = flight;
       for (const [name, value] of Object.entries(rangeOf(request))) byId(name).value = value;
-      for (const input of byId("method").querySelectorAll("input")) {
-        input.checked = input.value === request.method;
-      }
-      for (const input of byId("fusion").querySelectorAll("input")) {
-        input.checked = input.value === fusionOf(request);
-      }
-      const hasParams = Object.keys(request.params ?? {}).length > 0;
-      byId("params").value = hasParams ? JSON.stringify(request.params, null, 1) : "";
-      for (const name of ["params-error", "range-error"]) byId(name).textContent = "";
+      choose("method", request.method);
+      choose("fusion", fusionOf(request));
+      state.params = { bench: params, flight: request.params ?? {}, usual: {} };
+      offer("params", "bench", isTuned);
+      offer("params", "flight", Object.keys(request.params ?? {}).length > 0);
+      choose("params", isTuned ? "bench" : Object.keys(request.params ?? {}).length ? "flight" : "usual");
+      const hasEnded = !isOpen(flight);
+      offer("only", "same", Boolean(request.only));
+      offer("only", "failed", hasEnded && reasons.length > 0);
+      choose("only", request.only ? "same" : "all");
+      find("only-note").textContent = hasEnded ? "" : "Failed ones can be chosen when this run has ended.";
+      byId("reason").replaceChildren(
+        new Option("any reason", ""), ...reasons.map((each) => new Option(each.text, each.reason)),
+      );
+      byId("reason").value = reasons.some((each) => each.reason === reason) ? reason : "";
+      byId("range-error").textContent = "";
+      note();
       find("refusal").textContent = "";
       dialog.showModal();
       try {

@@ -15,7 +15,7 @@
 
 import { clock, number } from "../../shared/formatLogic.js";
 import { mountPlot } from "../../shared/components/plot.js";
-import { timelineChart } from "../timelineChartLogic.js";
+import { kindsShown, timelineChart } from "../timelineChartLogic.js";
 import { columnInWords, columnOf, frameAt, placeOf, timelineInWords, zoomPart } from "../timelineLogic.js";
 
 const WHEEL_RATE = 0.0018;
@@ -42,6 +42,10 @@ export function mountTimeline(root, { onSeek, onPart }) {
     const wanted = [timeline, other, shown?.first, shown?.last];
     if (!timeline || !shown || wanted.every((each, at) => each === drawn[at])) return;
     drawn = wanted;
+    const kinds = kindsShown(other ? [timeline, other] : [timeline]);
+    for (const item of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll("[data-kind]"))) {
+      item.hidden = !kinds.includes(item.dataset.kind ?? "");
+    }
     plot.show((colour, width, height) => timelineChart({ timeline, other, part: shown }, colour, width, height));
   }
 

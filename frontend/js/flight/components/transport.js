@@ -9,13 +9,17 @@
  * @property {boolean} zoomed
  * @property {{reason: string, text: string}[]} reasons
  * @property {string} reason  that "next failure" stops at; empty: any
+ * @property {{from: number, to: number} | null} loop
  */
 
-import { clock } from "../../shared/formatLogic.js";
+import { clock, number } from "../../shared/formatLogic.js";
+
+/** Frames of a long step. */
+const FAR = 10;
 
 /**
  * @param {HTMLElement} root
- * @param {{onStep: (by: 1 | -1) => void, onFailure: (by: 1 | -1) => void, onFrame: (frame: number) => void,
+ * @param {{onStep: (by: number) => void, onLoop: (end: "from" | "to" | null) => void, onFailure: (by: 1 | -1) => void, onFrame: (frame: number) => void,
  *   onPlay: () => void, onReason: (reason: string) => void, onWhole: () => void,
  *   onEnd: (end: "first" | "last") => void}} events
  */
@@ -25,6 +29,11 @@ export function mountTransport(root, events) {
   let reasons = "";
   find("previous").addEventListener("click", () => events.onStep(-1));
   find("next").addEventListener("click", () => events.onStep(1));
+  find("far-back").addEventListener("click", () => events.onStep(-FAR));
+  find("far-on").addEventListener("click", () => events.onStep(FAR));
+  find("loop-from").addEventListener("click", () => events.onLoop("from"));
+  find("loop-to").addEventListener("click", () => events.onLoop("to"));
+  find("loop-off").addEventListener("click", () => events.onLoop(null));
   find("previous-failure").addEventListener("click", () => events.onFailure(-1));
   find("next-failure").addEventListener("click", () => events.onFailure(1));
   find("play").addEventListener("click", events.onPlay);
@@ -39,12 +48,17 @@ export function mountTransport(root, events) {
   /** @param {KeyboardEvent} event */
   function onKey(event) {
     const target = /** @type {HTMLElement} */ (event.target);
-    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
+    // Brackets are typed with AltGr on many keyboards.
+    const isCommand = (event.ctrlKey || event.metaKey || event.altKey) && !event.getModifierState("AltGraph");
+    if (isCommand || document.querySelector("dialog[open]")) return;
     if (target.matches("input:not([type=radio]), select, textarea")) return;
     /** @type {Record<string, () => void>} */
     const acts = {
-      ArrowLeft: () => events.onStep(-1),
-      ArrowRight: () => events.onStep(1),
+      ArrowLeft: () => events.onStep(event.shiftKey ? -FAR : -1),
+      ArrowRight: () => events.onStep(event.shiftKey ? FAR : 1),
+      g: () => find("number").select(),
+      "[": () => events.onLoop("from"),
+      "]": () => events.onLoop("to"),
       Home: () => events.onEnd("first"),
       End: () => events.onEnd("last"),
       n: () => events.onFailure(1),
@@ -74,7 +88,7 @@ export function mountTransport(root, events) {
 
   return {
     /** @param {TransportState} state */
-    update({ frame, timeS, whole, playing, zoomed, reasons: list, reason }) {
+    update({ frame, timeS, whole, playing, zoomed, reasons: list, reason, loop }) {
       fillReasons(list);
       find("reason").value = reason;
       find("play").textContent = playing ? "Pause" : "Play";
@@ -86,7 +100,11 @@ export function mountTransport(root, events) {
       find("number").max = whole?.last ?? "";
       find("previous").disabled = !whole || frame === null || frame <= whole.first;
       find("next").disabled = !whole || frame === null || frame >= whole.last;
-      for (const name of ["play", "number"]) find(name).disabled = !whole;
+      find("far-back").disabled = find("previous").disabled;
+      find("far-on").disabled = find("next").disabled;
+      find("loop-off").hidden = !loop;
+      find("loop-off").textContent = loop ? `Loop ${number(loop.from)} – ${number(loop.to)} ✕` : "";
+      for (const name of ["play", "number", "loop-from", "loop-to"]) find(name).disabled = !whole;
       for (const name of ["previous-failure", "next-failure", "reason"]) find(name).disabled = !list.length;
     },
   };

@@ -1,8 +1,10 @@
 /**
  * Terms with their figures.
  *
- * @typedef {[string, string][]} Facts
+ * @typedef {[string, string, string?][]} Facts  where there is a third, a button beside the figure copies it
  */
+
+import { copyButton } from "./copy.js";
 
 /**
  * @param {HTMLElement} list  a `dl`
@@ -16,10 +18,11 @@ export function mountFacts(list) {
       if (key === shown) return;
       shown = key;
       list.replaceChildren(
-        ...facts.flatMap(([term, figure]) => [
-          Object.assign(document.createElement("dt"), { textContent: term }),
-          Object.assign(document.createElement("dd"), { textContent: figure }),
-        ]),
+        ...facts.flatMap(([term, figure, copied]) => {
+          const shownFigure = Object.assign(document.createElement("dd"), { textContent: figure });
+          if (copied) shownFigure.append(" ", copyButton(copied, term.toLowerCase()));
+          return [Object.assign(document.createElement("dt"), { textContent: term }), shownFigure];
+        }),
       );
     },
   };

@@ -54,6 +54,22 @@ export function mountPlot(area, { onFrame } = {}) {
   let make = null;
   let queued = false;
   let drawn = false;
+  /** @type {number | null} */
+  let at = null;
+  let marked = "";
+  const line = Object.assign(document.createElement("span"), { className: "plot-cursor", hidden: true });
+
+  /** Put the cursor where its value stands on the x axis of the chart as it was drawn. */
+  function moveCursor() {
+    const axis = /** @type {any} */ (area)._fullLayout?.xaxis;
+    const place = at === null || !axis?.l2p ? NaN : axis.l2p(at);
+    const isIn = place >= 0 && place <= axis?._length;
+    line.hidden = !isIn;
+    if (!isIn) return;
+    if (line.parentElement !== area) area.append(line);
+    const { t, h } = /** @type {any} */ (area)._fullLayout._size;
+    Object.assign(line.style, { left: `${axis._offset + place}px`, top: `${t}px`, height: `${h}px` });
+  }
 
   async function paint() {
     queued = false;
@@ -62,8 +78,10 @@ export function mountPlot(area, { onFrame } = {}) {
     const { data, layout } = make(colour, width, height);
     const library = await plotly();
     await library.react(area, data, { ...styled(layout, area), width, height }, onFrame ? LIVELY : STILL);
+    moveCursor();
     if (drawn || !onFrame) return;
     drawn = true;
+    /** @type {any} */ (area).on("plotly_relayout", moveCursor);
     /** @type {any} */ (area).on("plotly_click", (/** @type {any} */ event) => {
       const frame = event.points[0]?.customdata;
       if (Number.isFinite(frame)) onFrame(frame);
@@ -85,6 +103,25 @@ export function mountPlot(area, { onFrame } = {}) {
     show(next) {
       make = next;
       paintSoon();
+    },
+    /**
+     * Move the points of a trace.
+     * @param {{name: string, point: Record<"x" | "y" | "z", (number | null)[]>}} mark
+     */
+    mark({ name, point }) {
+      const key = JSON.stringify(point);
+      const traces = /** @type {any} */ (area).data ?? [];
+      const trace = traces.findIndex((/** @type {any} */ each) => each.name === name);
+      if (trace < 0 || key === marked) return;
+      marked = key;
+      const { x, y, z } = point;
+      void plotly().then((library) => library.restyle(area, { x: [x], y: [y], z: [z] }, [trace]));
+    },
+    /** A line through the chart at a value of its x axis; null: none. @param {number | null} value */
+    cursor(value) {
+      if (value === at) return;
+      at = value;
+      moveCursor();
     },
   };
 }

@@ -7,16 +7,19 @@
  */
 
 import {
-  doubtInWords, evidenceFacts, isBearing, poseFacts, poseInWords, qualityBadge, rangeFacts, verdict,
+  doubtInWords, evidenceFacts, isBearing, padAmongSeveral, poseAsText, poseFacts, poseInWords, qualityBadge, rangeFacts, verdict,
 } from "../poseLogic.js";
-import { failures, reasonInWords, stageTitle } from "../stagesLogic.js";
+import { isVideo } from "../queueLogic.js";
+import { failures, findingsOf, reasonInWords, stageTitle } from "../stagesLogic.js";
+import { mountCopy } from "./copy.js";
 import { mountFacts } from "./facts.js";
 
 /**
  * @param {HTMLElement} root
- * @param {{onEnlarge: () => void, onCopy: () => void}} events
+ * @param {{onEnlarge: () => void, onCopy: () => void, onBundle: () => Promise<void>, onTurn?: (quarter: 1 | -1) => void}} events
+ *   pages that can turn a picture give `onTurn`: 1 is clockwise
  */
-export function mountPoseReport(root, { onEnlarge, onCopy }) {
+export function mountPoseReport(root, { onEnlarge, onCopy, onBundle, onTurn }) {
   const find = (/** @type {string} */ name) =>
     /** @type {HTMLElement} */ (root.querySelector(`[data-ref=${name}]`));
   const template = /** @type {HTMLTemplateElement} */ (root.querySelector("template"));
@@ -26,9 +29,20 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
   const evidence = mountFacts(find("evidence-facts"));
   find("enlarge").addEventListener("click", onEnlarge);
   find("copy").addEventListener("click", onCopy);
+  const bundle = /** @type {HTMLButtonElement} */ (find("bundle"));
+  bundle.addEventListener("click", async () => {
+    // A second one while the first is made would cost the server the same again.
+    bundle.disabled = true;
+    await onBundle();
+    bundle.disabled = false;
+  });
+  let copied = "";
+  mountCopy(find("copy-pose"), () => copied);
+  find("turn-left").addEventListener("click", () => onTurn?.(-1));
+  find("turn-right").addEventListener("click", () => onTurn?.(1));
 
-  /** @param {string | null} channel @param {Failure} failure */
-  function failureOf(channel, failure) {
+  /** @param {string | null} channel @param {Failure} failure @param {string} [where] */
+  function failureOf(channel, failure, where) {
     const item = /** @type {HTMLElement} */ (
       /** @type {DocumentFragment} */ (template.content.cloneNode(true)).firstElementChild
     );
@@ -36,7 +50,7 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
       /** @type {HTMLElement} */ (item.querySelector(`[data-ref=${name}]`));
     part("channel").textContent = channel ?? "";
     part("channel").className = channel ? `channel channel-${channel}` : "";
-    part("where").textContent = `${stageTitle(failure.stage)}: ${reasonInWords(failure.reason)}`;
+    part("where").textContent = where ?? `${stageTitle(failure.stage)}: ${reasonInWords(failure.reason)}`;
     part("detail").textContent = failure.detail;
     part("advice").textContent = failure.advice ? `Try: ${failure.advice}` : "";
     return item;
@@ -47,10 +61,10 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
     const found = failures(trace?.stages ?? []);
     const { stage = "", reason = "", detail = "", advice } = result;
     const isListed = found.some((each) => each.failure.detail === detail && each.failure.stage === stage);
-    if (result.status === "failed" && !isListed) {
-      found.unshift({ channel: null, failure: { stage, reason, detail, advice } });
-    }
-    return found.map(({ channel, failure }) => failureOf(channel, failure));
+    const isOwn = result.status === "failed" && !isListed;
+    const first = isOwn ? [failureOf(null, { stage, reason, detail, advice })] : [];
+    const second = findingsOf(result).map(({ where, failure }) => failureOf(null, failure, where));
+    return [...first, ...second, ...found.map(({ channel, failure }) => failureOf(channel, failure))];
   }
 
   /** @param {DetectAnswer} answer */
@@ -64,13 +78,14 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
     );
     const items = failureItems(answer);
     find("failures").hidden = !items.length;
-    find("failures-title").textContent = isOk ? "What was not read" : "Where it failed";
+    find("failures-title").textContent = headOfFailures(result);
     find("failure-list").replaceChildren(...items);
     find("figures").hidden = !isOk;
     find("pose").dataset.doubtful = String(isBearing(result));
     find("doubt").textContent = doubtInWords(result);
     range.update(isOk ? rangeFacts(result) : []);
     pose.update(isOk ? poseFacts(result) : []);
+    copied = isOk ? poseAsText(result) : "";
     evidence.update(isOk ? evidenceFacts(result) : []);
     const url = trace?.result_picture ?? null;
     find("enlarge").hidden = !url;
@@ -88,7 +103,8 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
       if (!frame) return;
       const { answer, status } = frame;
       root.dataset.status = status;
-      find("source").textContent = frame.name;
+      const pad = answer ? padAmongSeveral(answer.result, answer.pads ?? []) : "";
+      find("source").textContent = [frame.name, pad].filter(Boolean).join(" · ");
       find("verdict").textContent = headline(frame);
       const badge = answer ? qualityBadge(answer.result) : "";
       find("quality").textContent = badge;
@@ -96,8 +112,10 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
       root.dataset.quality = answer?.result.quality ?? "";
       find("busy").hidden = status !== "running";
       find("body").hidden = !answer;
-      find("copy").hidden = !answer;
+      find("copy").hidden = find("bundle").hidden = !answer;
       find("refusal").textContent = status === "refused" ? frame.message : "";
+      find("turn").hidden = !(onTurn && status === "refused" && frame.turned && frame.file);
+      find("elsewhere").hidden = !(status === "refused" && isVideo(frame.name));
       find("notes").replaceChildren(
         ...notes.map((text) =>
           Object.assign(document.createElement("p"), { className: "notice notice-warn", textContent: text }),
@@ -106,6 +124,12 @@ export function mountPoseReport(root, { onEnlarge, onCopy }) {
       if (answer) fill(answer);
     },
   };
+}
+
+/** @param {DetectAnswer["result"]} result @returns {string} */
+function headOfFailures({ status, findings }) {
+  if (status !== "ok") return "Where it failed";
+  return findings ? "What to doubt" : "What was not read";
 }
 
 /** @param {Frame} frame @returns {string} */

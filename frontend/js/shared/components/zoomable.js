@@ -24,9 +24,8 @@ export function makeZoomable(element, options) {
   element.addEventListener("wheel", (event) => onWheel(element, options, event), {
     passive: false,
   });
-  element.addEventListener("dblclick", (event) => {
-    const viewport = options.current();
-    if (viewport) options.change(zoomAt(viewport, 2, fromMiddle(element, event)));
+  element.addEventListener("dblclick", () => {
+    if (options.current()) options.reset();
   });
   element.addEventListener("keydown", (event) => {
     const viewport = options.current();
