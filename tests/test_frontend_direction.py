@@ -12,7 +12,7 @@ from places import ROOT
 
 SCRIPTS = ROOT / "frontend" / "js"
 MODULES = sorted(SCRIPTS.rglob("*.js"))
-PAGES = ("design", "diagnose", "flight", "flights", "plan")
+PAGES = ("design", "home", "diagnose", "flight", "flights", "plan", "cameras")
 
 #: What a module of each folder may import, besides its own folder's modules.
 MAY_IMPORT = {

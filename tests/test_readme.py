@@ -28,7 +28,7 @@ def errors_to_truth(records):
 
 
 def test_the_tour_on_the_command_line(folder):
-    run_shell(block("README.md", "sh", "padstudio generate"), folder)
+    run_shell(block("README.md", "sh", "-o pad.pdf"), folder)
     assert (folder / "pad.pdf").read_bytes().startswith(b"%PDF")
     lines = (folder / "poses.jsonl").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 5

@@ -101,7 +101,12 @@ def chunks_of(video: Path, camera: Path, pad: Path) -> list[FramesTask]:
         max_frames=2_000_000,
     ).run(lambda: False)
     return [
-        FramesTask(recipe, chunk.first_frame, 1, video_part(plan.sources[0], chunk.pts), MAX_PIXELS)
+        FramesTask(
+            recipe,
+            range(chunk.first_frame, chunk.first_frame + chunk.frames),
+            video_part(plan.sources[0], chunk.pts),
+            MAX_PIXELS,
+        )
         for chunk in plan.chunks
     ]
 

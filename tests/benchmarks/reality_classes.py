@@ -49,8 +49,9 @@ def _look(name: str) -> Change:
 def _fog(contrast: float) -> Change:
     def change(rng: Rng, shot: Shot, side: float) -> Shot:
         height_m = float(shot.pose.position_mm[2]) / 1000
-        visibility = height_m * np.log(20) / -np.log(contrast)
-        return replace(shot, scene=replace(shot.scene, fog=Fog(visibility_m=float(visibility))))
+        # No fog is thicker than that, whatever the height.
+        visibility = max(float(height_m * np.log(20) / -np.log(contrast)), 0.1)
+        return replace(shot, scene=replace(shot.scene, fog=Fog(visibility_m=visibility)))
 
     return change
 

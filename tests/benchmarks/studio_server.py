@@ -35,8 +35,14 @@ def serving(data: Path) -> Iterator[tuple[httpx.Client, psutil.Process]]:
         process.communicate(timeout=60)
 
 
-def order(client: httpx.Client, video: Path, flights: int = 1, stride: int = 1) -> list[str]:
-    """Addresses of flights of one video of the footage's pad and camera."""
+def order(
+    client: httpx.Client,
+    video: Path,
+    flights: int = 1,
+    stride: int = 1,
+    camera: str = "camera_drone_2k7.yaml",
+) -> list[str]:
+    """Addresses of flights of one video, with the footage's pad and a camera of it."""
 
     def store(address: str, path: Path) -> str:
         answer = client.post(address, files={"file": (path.name, path.read_bytes())})
@@ -45,7 +51,7 @@ def order(client: httpx.Client, video: Path, flights: int = 1, stride: int = 1) 
     wanted = {
         "uploads": [_upload(client, video)],
         "pad": store("/api/v1/pads/import", FOOTAGE / "pad_a.json"),
-        "camera": store("/api/v1/cameras", FOOTAGE / "camera_drone_2k7.yaml"),
+        "camera": store("/api/v1/cameras", FOOTAGE / camera),
         "stride": stride,
     }
     made = [client.post("/api/v1/flights", json=wanted).raise_for_status() for _ in range(flights)]

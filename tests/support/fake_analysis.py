@@ -11,14 +11,15 @@ import numpy as np
 
 from padstudio.geometry.camera import Camera
 from padstudio.media import images
+from padstudio.pad.identity import pad_id
 from padstudio.pad.spec import Pad
-from padstudio.workers.detection import RESULT_PICTURE, THUMBNAIL_PREFIX, Job
+from padstudio.workers.detection import RESULT_PICTURE, Job, thumbnail_of
 
 
 def analyze(job: Job) -> dict[str, Any]:
     image = images.decode(job.image, job.max_pixels)
     height, width = image.shape[:2]
-    Pad.loads(job.pad)
+    pads = [Pad.loads(pad) for pad in job.pads]
     camera = Camera.loads(job.camera).for_frame(width, height)
     if job.source == "crash.png":
         os._exit(9)
@@ -33,7 +34,7 @@ def analyze(job: Job) -> dict[str, Any]:
         stages = [_stage("edges", "red", "red-edges.png"), _stage("choose", None, None)]
         for name in ("red-edges.png", RESULT_PICTURE):
             cv2.imwrite(str(job.pictures / name), image)
-            cv2.imwrite(str(job.pictures / (THUMBNAIL_PREFIX + name)), image[::4, ::4])
+            cv2.imwrite(str(job.pictures / thumbnail_of(name)), image[::4, ::4])
     result = {
         "source": job.source,
         "frame": 0,
@@ -46,7 +47,8 @@ def analyze(job: Job) -> dict[str, Any]:
         "elapsed_ms": {"total": 1.0},
     }
     return {
-        "result": result,
+        "results": [result],
+        "pad_ids": [pad_id(pad) for pad in pads],
         "image": {"width": width, "height": height},
         "camera_scale": camera.scale,
         "stages": stages,

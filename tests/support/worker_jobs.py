@@ -17,6 +17,9 @@ from padstudio.workers.inside import checkpoint
 class OddError(SearchExhaustedError):
     """Cannot be made from its message alone, so it does not survive pickling."""
 
+    status = 418
+    exit_code = 5
+
     def __init__(self, message: str, field: int) -> None:
         super().__init__(message, detail={"field": field})
 
