@@ -228,6 +228,23 @@ def test_another_run_beside_the_first(open_page: Callable[..., Page], flight_pat
     expect(page).not_to_have_url(re.compile("with="))
 
 
+def test_a_dialog_is_whole_before_it_can_be_clicked(
+    open_page: Callable[..., Page], flight_path: str
+) -> None:
+    page = open_page(flight_path)
+
+    def late(route: Route) -> None:
+        page.wait_for_timeout(500)
+        route.continue_()
+
+    page.route("**/api/v1/pads?*", late)
+    page.route("**/api/v1/pads", late)
+    page.get_by_role("button", name="Run again …").click()
+    dialog = page.get_by_role("dialog")
+    expect(dialog).to_be_visible()
+    assert "window 5 × 5" in (dialog.locator("#rerun-pad [data-ref=note]").text_content() or "")
+
+
 def test_failed_frames_are_run_again_with_what_the_workbench_has(
     open_page: Callable[..., Page], flight_path: str
 ) -> None:

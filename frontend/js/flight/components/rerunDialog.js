@@ -137,7 +137,7 @@ export function mountRerunDialog(dialog, { onRun }) {
       byId("range-error").textContent = "";
       note();
       find("refusal").textContent = "";
-      dialog.showModal();
+      // Before it is shown: what comes in later moves the buttons from under the pointer.
       try {
         const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);
         const all = [...cameras.stored, ...cameras.presets];
@@ -150,6 +150,7 @@ export function mountRerunDialog(dialog, { onRun }) {
       } catch (error) {
         find("refusal").textContent = messageOf(error);
       }
+      if (!dialog.open) dialog.showModal();
     },
   };
 }
