@@ -90,6 +90,13 @@ class LimitError(StudioError):
     status = 413
 
 
+class EmptyExportError(StudioError):
+    """An export would hold nothing of what its form is for."""
+
+    code = "empty_export"
+    status = 422
+
+
 class NotFoundError(StudioError):
     """Something was asked for by name that does not exist."""
 

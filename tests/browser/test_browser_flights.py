@@ -8,7 +8,7 @@ from pathlib import Path
 
 from browser_support import PAD_FILE, Complaints
 from flight_footage import BLANK, FLIGHT_CAMERA, FRAMES
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 CHARTS = ("trajectory", "space", "outcomes", "stages", "heights")
 # A worker process starts, on a machine that tests keep busy.

@@ -104,6 +104,13 @@ def test_stills_go_into_a_log_as_far_as_they_are_there(poses):
 
 def test_landing_targets(poses):
     assert_one_line_error(export(poses, "--form", "px4"), "vehicle_pose_required")
+    sparse = Path("sparse.csv")
+    sparse.write_text(
+        "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n0,0,0,-3,1,0,0,0\n1,9,0,-3,1,0,0,0\n"
+    )
+    arguments = ("--form", "px4", "--vehicle", sparse, "-o", "none.tlog")
+    assert_one_line_error(export(poses, *arguments), "empty_export")
+    assert not Path("none.tlog").exists()
     track = "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n0,0,0,-1,1,0,0,0\n0.3,0,0,-1,1,0,0,0\n"
     Path("v.csv").write_text(track)
     arguments = ("--vehicle", "v.csv", "--forward-m", "0.1", "-o", "a.tlog")

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from padstudio.media import content
+from padstudio.errors import ImageError
+from padstudio.media import content, images
 from padstudio.media.content import HEAD_BYTES, Content, ContentError, identify
 
 SRT_LINE = "1\r\n00:00:00,000 --> 00:00:00,033\r\nFrameCnt: 1\r\n"
@@ -79,6 +80,36 @@ def test_telemetry(encoding: str) -> None:
 
 def test_a_quicktime_file_without_a_type_box() -> None:
     assert identify(b"\0\0\0\x08wide" + bytes(50)) == content.MOV
+
+
+def _tiff(tag: int, value: int) -> bytes:
+    """A TIFF of 4 x 4 grey pixels with one tag more."""
+    file = io.BytesIO()
+    Image.new("L", (4, 4), 128).save(file, "TIFF", tiffinfo={tag: value})
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("tag", "value", "name"),
+    [(0xC612, 0x0401, "a DNG file"), (0x00FE, 1, "a camera's raw file"), (0x00FE, 0, None)],
+)
+def test_raw_files_are_no_pictures(tag: int, value: int, name: str | None) -> None:
+    data = _tiff(tag, value)
+    if name is None:
+        assert identify(data) == content.TIFF
+        assert images.decode(data).shape == (4, 4, 3)
+        return
+    for read, error in ((identify, ContentError), (images.decode, ImageError)):
+        with pytest.raises(error, match=f"{name} cannot be read, and the preview"):
+            read(data)
+
+
+@pytest.mark.parametrize(("brand", "name"), [("heic", "HEIC"), ("mif1", "HEIC"), ("crx ", "CR3")])
+def test_pictures_in_boxes_are_refused_by_name(brand: str, name: str) -> None:
+    data = b"\0\0\0\x18ftyp" + brand.encode() + bytes(20)
+    for read, error in ((identify, ContentError), (images.decode, ImageError)):
+        with pytest.raises(error, match=f"a {name} picture cannot be read; convert it"):
+            read(data)
 
 
 @pytest.mark.parametrize(

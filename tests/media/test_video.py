@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from videos import number_of
 
 from padstudio.arrays import YuvFrame
 from padstudio.errors import LimitError, StorageError
+from padstudio.media import content
+from padstudio.media.sources import find_frames
 from padstudio.media.video import VideoError
 from padstudio.media.video_frames import read_frames
 from padstudio.media.video_index import VideoIndex, read_index
@@ -185,6 +188,36 @@ def test_frames_missing_between_others_are_told(name: str, tmp_path: Path) -> No
     assert read_index(str(path)).info.damage == (
         "4 frames are missing between others, the first of them after frame 19",
     )
+
+
+@pytest.mark.parametrize("start_s", [0, 100])
+def test_matroska_may_begin_late(start_s: int, tmp_path: Path) -> None:
+    times_ms = [1000 * start_s + 40 * n for n in range(200)]
+    path = videos.write(tmp_path / "a.mkv", 200, times_ms=times_ms)
+    index = read_index(str(path))
+    assert index.info.damage == ()
+    assert (index.info.frames, index.info.duration_s) == (200, pytest.approx(8.0))
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 2])
+    info = read_index(str(path)).info
+    (sentence,) = (each for each in info.damage if "are missing" in each)
+    missing_s, whole_s = (float(word) for word in re.findall(r"[0-9.]+(?= s)", sentence))
+    assert whole_s == pytest.approx(8.0, abs=0.1)
+    assert missing_s == pytest.approx(8.0 - info.duration_s, abs=0.1)
+
+
+def test_transport_streams_of_camcorders(tmp_path: Path) -> None:
+    plain = videos.write(tmp_path / "a.ts", FRAMES).read_bytes()
+    packets = (plain[at : at + 188] for at in range(0, len(plain), 188))
+    data = b"".join(n.to_bytes(4, "big") + packet for n, packet in enumerate(packets))
+    path = tmp_path / "a.m2ts"
+    path.write_bytes(data)
+    assert content.identify(data[: content.HEAD_BYTES]) == content.M2TS
+    assert find_frames([str(tmp_path / "*.m2ts")]) == [path]
+    index = read_index(str(path))
+    assert (index.info.frames, index.info.damage) == (FRAMES, ())
+    pictures = read_frames(str(path), index.pts.tolist())
+    assert [number_of(p.bgr) for p in pictures if p.bgr is not None] == list(range(FRAMES))
 
 
 def test_a_video_whose_index_was_never_written(tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ Kind = Literal["video", "still", "stills", "telemetry"]
 HEAD_BYTES = 4096
 
 READABLE = (
-    "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS), a still (JPEG, PNG, WebP, TIFF, BMP), a zip "
-    "of stills or an SRT telemetry file"
+    "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS, M2TS), a still (JPEG, PNG, WebP, TIFF, "
+    "BMP), a zip of stills or an SRT telemetry file"
 )
 
 
@@ -50,6 +50,7 @@ MKV = Content("video", "video/matroska", ".mkv")
 WEBM = Content("video", "video/webm", ".webm")
 AVI = Content("video", "video/vnd.avi", ".avi")
 MPEGTS = Content("video", "video/mp2t", ".ts")
+M2TS = Content("video", "video/mp2t", ".m2ts")
 JPEG = Content("still", "image/jpeg", ".jpg")
 PNG = Content("still", "image/png", ".png")
 WEBP = Content("still", "image/webp", ".webp")
@@ -68,7 +69,15 @@ _STARTS = {
 _RIFF = {b"AVI ": AVI, b"WEBP": WEBP}
 # ISO/IEC 14496-12 boxes that QuickTime files older than the file type box begin with.
 _OLD_MOV = (b"moov", b"mdat", b"wide", b"free", b"skip", b"pnot")
-_PICTURE_BRANDS = (b"heic", b"heix", b"hevc", b"mif1", b"msf1", b"avif", b"avis", b"crx ")
+_PICTURE_BRANDS = {
+    **dict.fromkeys(
+        (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"), "HEIC"
+    ),
+    **dict.fromkeys((b"avif", b"avis"), "AVIF"),
+    b"crx ": "CR3",
+}
+# Tags of TIFF 6.0 and of DNG 1.7, and the bit of the first that marks a preview.
+_NEW_SUBFILE_TYPE, _DNG_VERSION, _IS_PREVIEW = 0x00FE, 0xC612, 1
 # Sizes of the headers that follow a BMP's file header.
 _BMP_HEADERS = (12, 40, 52, 56, 64, 108, 124)
 _SRT = re.compile(
@@ -102,6 +111,7 @@ def identify(head: bytes) -> Content:
 def _by_signature(head: bytes) -> Content | None:
     for start, content in _STARTS.items():
         if head.startswith(start):
+            refuse_raw(head)
             return content
     if head[:4] == b"RIFF":
         return _RIFF.get(head[8:12])
@@ -109,10 +119,12 @@ def _by_signature(head: bytes) -> Content | None:
         return _matroska(head)
     if head[:2] == b"BM" and int.from_bytes(head[14:18], "little") in _BMP_HEADERS:
         return BMP
-    # Packets of 188 bytes, each begun by one byte (ISO/IEC 13818-1).
-    starts = head[:753:188]
-    if len(starts) >= 3 and set(starts) == {0x47}:
-        return MPEGTS
+    # Packets of 188 bytes, each begun by one byte (ISO/IEC 13818-1); on discs and in camcorders
+    # four bytes of time stand before each.
+    for first, step, content in ((0, 188, MPEGTS), (4, 192, M2TS)):
+        starts = head[first : first + 4 * step + 1 : step]
+        if len(starts) >= 3 and set(starts) == {0x47}:
+            return content
     if head[:4] == b"PK\x05\x06":
         raise ContentError("the zip is empty; put the stills into it", code="empty_zip")
     return None
@@ -128,8 +140,47 @@ def _by_boxes(head: bytes) -> Content | None:
     kind, brand = head[4:8], head[8:12]
     if kind == b"ftyp" and brand in _PICTURE_BRANDS:
         raise ContentError(
-            f"a {brand.decode().strip()} picture cannot be read; convert it to JPEG or PNG"
+            f"a {_PICTURE_BRANDS[brand]} picture cannot be read; convert it to JPEG or PNG"
         )
     if kind == b"ftyp":
         return MOV if brand == b"qt  " else MP4
     return MOV if kind in _OLD_MOV else None
+
+
+def refuse_raw(head: bytes) -> None:
+    """Refuse a camera's raw file, which is a TIFF whose first picture is a mere preview.
+
+    Parameters
+    ----------
+    head : bytes
+        Of any file, as far as it is at hand.
+
+    Raises
+    ------
+    ContentError
+    """
+    name = _raw_name(head)
+    if name is not None:
+        raise ContentError(
+            f"{name} cannot be read, and the preview in it is not the picture; develop it without "
+            "lens correction, and save it as 16-bit TIFF, PNG or JPEG"
+        )
+
+
+def _raw_name(head: bytes) -> str | None:
+    order: Literal["little", "big"] = "little" if head[:2] == b"II" else "big"
+    if head[:4] not in (b"II*\0", b"MM\0*"):
+        return None
+    if head[8:10] == b"CR":
+        return "a CR2 file"
+
+    def number(at: int, size: int) -> int:
+        return int.from_bytes(head[at : at + size], order)
+
+    directory = number(4, 4)
+    entries = range(directory + 2, directory + 2 + 12 * number(directory, 2), 12)
+    values = {number(at, 2): number(at + 8, 4) for at in entries if at + 12 <= len(head)}
+    if _DNG_VERSION in values:
+        return "a DNG file"
+    is_preview = values.get(_NEW_SUBFILE_TYPE, 0) & _IS_PREVIEW
+    return "a camera's raw file" if is_preview else None

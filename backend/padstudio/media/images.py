@@ -20,6 +20,8 @@ from PIL import Image as PillowImage
 from PIL import UnidentifiedImageError
 
 from padstudio.errors import ImageError, LimitError
+from padstudio.media import content
+from padstudio.media.content import ContentError
 
 #: Pixels of one picture, unless the caller sets another limit.
 MAX_PIXELS = 50_000_000
@@ -109,6 +111,7 @@ def read_header(data: bytes, max_pixels: int = MAX_PIXELS) -> ImageHeader:
     if not data:
         raise ImageError("the file is empty; choose a picture", code="empty_file")
     try:
+        content.refuse_raw(data)
         with warnings.catch_warnings():
             # Nothing is decoded here, and the size is checked below.
             warnings.simplefilter("ignore")
@@ -122,7 +125,10 @@ def read_header(data: bytes, max_pixels: int = MAX_PIXELS) -> ImageHeader:
             "down, or cut it",
             code="too_many_pixels",
         ) from error
+    except ContentError as error:
+        raise ImageError(error.message, code="not_an_image") from error
     except (UnidentifiedImageError, OSError, ValueError, SyntaxError, struct.error) as error:
+        _refuse_by_name(data)
         raise ImageError(
             f"the file is no picture that can be read; send a {_READABLE} file",
             code="not_an_image",
@@ -137,6 +143,15 @@ def read_header(data: bytes, max_pixels: int = MAX_PIXELS) -> ImageHeader:
             detail={"width": width, "height": height, "max_pixels": max_pixels},
         )
     return ImageHeader(name, width, height)
+
+
+def _refuse_by_name(data: bytes) -> None:
+    """Say what a file is that is known and cannot be read."""
+    try:
+        content.identify(data[: content.HEAD_BYTES])
+    except ContentError as error:
+        if error.error_code == ContentError.code and content.READABLE not in error.message:
+            raise ImageError(error.message, code="not_an_image") from error
 
 
 def _cut_off(name: str, data: bytes) -> bool:

@@ -13,7 +13,9 @@ from padstudio.media.content import ContentError
 
 #: Endings of the names of pictures; with those of videos, what folders are searched for.
 SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"})
-VIDEO_SUFFIXES = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".ts", ".webm"})
+VIDEO_SUFFIXES = frozenset(
+    {".avi", ".m2ts", ".m4v", ".mkv", ".mov", ".mp4", ".mts", ".ts", ".webm"}
+)
 
 
 def find_frames(sources: Iterable[str]) -> list[Path]:

@@ -165,9 +165,9 @@ def _describe(
     if declared > len(pts):
         damage = [*damage, f"{declared - len(pts)} of {declared} frames are missing"]
     damage = [*damage, *_gaps(intervals, usual)]
-    declared_s = _declared_s(container, stream)
-    if declared_s - duration_s > max(_SECONDS_TOLERANCE, _RATE_TOLERANCE * declared_s):
-        missing_s = declared_s - duration_s
+    declared_s = _declared_s(container, stream, float(pts[0] * time_base) + duration_s)
+    missing_s = declared_s - duration_s
+    if missing_s > max(_SECONDS_TOLERANCE, _RATE_TOLERANCE * declared_s):
         damage = [*damage, f"{missing_s:.1f} s of {declared_s:.1f} s are missing"]
     context = stream.codec_context
     return VideoInfo(
@@ -196,14 +196,26 @@ def _gaps(intervals: NDArray[np.int64], usual: float) -> list[str]:
     return [f"{missing} frames are missing between others, the first of them after frame {gaps[0]}"]
 
 
-def _declared_s(container: InputContainer, stream: VideoStream) -> float:
-    """The video's length by the file's header; 0 where that does not say."""
+def _declared_s(container: InputContainer, stream: VideoStream, end_s: float) -> float:
+    """The video's length by the file's header; 0 where that does not say.
+
+    Parameters
+    ----------
+    container : InputContainer
+    stream : VideoStream
+    end_s : float
+        Where the last frame ends, on the clock of the frames.
+    """
     if stream.duration is not None and stream.time_base is not None:
         return float(stream.duration * stream.time_base)
     # Sound may go on for longer than the pictures.
     if container.duration is None or container.streams.audio:
         return 0.0
-    return container.duration / _CONTAINER_UNITS
+    declared_s = container.duration / _CONTAINER_UNITS
+    # Writers of Matroska that let frames begin late count from 0, some from the first frame.
+    if "matroska" in container.format.name and end_s <= declared_s + _SECONDS_TOLERANCE:
+        declared_s -= (container.start_time or 0) / _CONTAINER_UNITS
+    return declared_s
 
 
 def _count_frames(source: str, max_pixels: int, pause: Callable[[], object]) -> int:

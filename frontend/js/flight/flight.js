@@ -127,6 +127,7 @@ const view = makeFlightView(id, {
     location.assign(`/flights/${run.id}?with=${id}${await frameOf(changes)}`);
   },
   onVehicle: (file) => void exportForPx4(file),
+  onExport: (url) => void takeExport(url),
   onCharts: () => void data.figures(),
   onCopy: () => void copyRecord(),
   onBundle: async () => {
@@ -268,6 +269,16 @@ async function frameOf({ only }) {
   if (!only) return "";
   const { items } = await flightsApi.listFrames(id, { status: "failed", ...(only.reason ? { reason: only.reason } : {}), limit: 1 });
   return items.length ? `&frame=${items[0].frame}` : "";
+}
+
+/** @param {string} url */
+async function takeExport(url) {
+  try {
+    await flightsApi.checkExport(url);
+    download(url);
+  } catch (error) {
+    set({ status: { kind: "bad", text: messageOf(error) } });
+  }
 }
 
 /** @param {File} vehicle */

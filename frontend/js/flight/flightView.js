@@ -66,7 +66,7 @@ export function makeFlightView(id, on) {
   const compare = mountComparePanel(byId("compared"), id, { onSeek: on.onSeek });
   const summary = mountFacts(byId("summary"));
   const settings = mountFacts(byId("settings"));
-  const exports = mountExportList(byId("downloads"), id, { onVehicle: on.onVehicle });
+  const exports = mountExportList(byId("downloads"), id, { onVehicle: on.onVehicle, onExport: on.onExport });
   const runs = mountRunList(byId("runs"), { onCompare: on.onCompare });
   const charts = mountCharts(byId("charts"), { onSeek: on.onSeek, onVisible: on.onCharts });
   const rerun = mountRerunDialog(byId("rerun"), { onRun: on.onRun });

@@ -201,6 +201,17 @@ export async function exportForPx4(id, vehicle) {
   return response.blob();
 }
 
+/**
+ * Asks for an export without taking it, so that what the server says against it can be shown.
+ * @param {string} url
+ * @returns {Promise<void>}  rejected where there is no such file
+ */
+export async function checkExport(url) {
+  const asked = new AbortController();
+  await send(url, { signal: asked.signal });
+  asked.abort();
+}
+
 /** @param {Flight} flight @returns {boolean} true while it may still change */
 export const isOpen = ({ state }) => state === "queued" || state === "running";
 

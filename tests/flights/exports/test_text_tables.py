@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from export_records import CAMERA, FAILED_AT, POSES, records, rotation, times
 
-from padstudio.errors import NotFoundError, SpecError
+from padstudio.errors import EmptyExportError, NotFoundError, SpecError
 from padstudio.flights.exports.forms import FORMS, export
 from padstudio.flights.exports.options import ExportOptions
+from padstudio.flights.exports.vehicle import VehicleTrack
 from padstudio.geometry.camera import Camera
 
 
@@ -158,11 +159,17 @@ def test_unknown_forms_are_refused_by_name() -> None:
         export("kml", records())
 
 
-def test_every_form_takes_a_flight_without_a_pose() -> None:
+@pytest.mark.parametrize("form", FORMS)
+def test_a_form_that_would_hold_nothing_is_refused_before_it_begins(form: str) -> None:
     failed = [records()[FAILED_AT]]
-    options = ExportOptions(camera=CAMERA)
-    for form in set(FORMS) - {"px4"}:
+    track = VehicleTrack(np.arange(3.0), np.zeros((3, 3)), np.tile([1.0, 0, 0, 0], (3, 1)))
+    options = ExportOptions(camera=CAMERA, vehicle=track)
+    if form in ("csv", "jsonl", "mcap"):
+        # These say of a failed frame why.
         assert b"".join(export(form, failed, options))
+        return
+    with pytest.raises(EmptyExportError, match="was written"):
+        export(form, failed, options)
 
 
 def test_long_flights_come_in_blocks() -> None:

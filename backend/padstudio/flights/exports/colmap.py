@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from padstudio.flights.exports.byte_stream import ByteStream
-from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of
+from padstudio.flights.exports.options import ExportOptions, Record, full_poses
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 
@@ -56,13 +56,10 @@ def _write(records: Iterable[Record], camera: Camera) -> Iterator[bytes]:
         archive.writestr("points3D.txt", _POINTS)
         with archive.open("images.txt", "w", force_zip64=True) as images:
             images.write(_IMAGES.encode())
-            number = 0
-            for record in records:
-                pose = full_pose_of(record)
-                if pose is not None:
-                    number += 1
-                    images.write(_image_lines(record, pose, number).encode())
-                    yield stream.take()
+            found = full_poses(records, "a COLMAP model")
+            for number, (record, pose, _) in enumerate(found, 1):
+                images.write(_image_lines(record, pose, number).encode())
+                yield stream.take()
     yield stream.take()
 
 

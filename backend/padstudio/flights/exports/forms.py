@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -74,7 +75,7 @@ def export(
 ) -> Iterator[bytes]:
     """Write records in a form.
 
-    What is missing is told at once; the records are read as the bytes are asked for.
+    What is missing is told at once; records beyond the first block are read as bytes are asked for.
 
     Parameters
     ----------
@@ -95,7 +96,12 @@ def export(
         If there is no such form.
     SpecError
         If the form needs what the options do not have.
+    EmptyExportError
+        If the file would hold nothing of what its form is for.
     """
     if form not in FORMS:
         raise NotFoundError(f"there is no form {form!r}; there are {', '.join(FORMS)}")
-    return in_blocks(FORMS[form].write(map(completed, records), options or ExportOptions()))
+    blocks = in_blocks(FORMS[form].write(map(completed, records), options or ExportOptions()))
+    # What there is nothing of is told before anybody has begun to write or to send.
+    first = next(blocks, b"")
+    return itertools.chain((first,), blocks)

@@ -22,7 +22,14 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.errors import SpecError
-from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, timed
+from padstudio.flights.exports.options import (
+    ExportOptions,
+    Record,
+    at_least_one,
+    full_pose_of,
+    timed,
+)
+from padstudio.flights.exports.vehicle import MAX_GAP_S, VehicleTrack
 from padstudio.geometry.pose import Pose
 
 # The pad as a frame of the autopilots' kind: x up the page, y to its right, z into it.
@@ -73,7 +80,7 @@ Place = Callable[[Target, float], Target | None]
 
 def write_ardupilot(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
     """``MAV_FRAME_BODY_FRD``: metres forward, right and down from the vehicle."""
-    return _write(records, options, "MAV_FRAME_BODY_FRD", lambda target, _: target)
+    return _write(records, options, "MAV_FRAME_BODY_FRD", lambda target, _: target, lambda: "")
 
 
 def write_px4(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
@@ -85,6 +92,8 @@ def write_px4(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     ------
     SpecError
         If no poses of the vehicle are given.
+    EmptyExportError
+        If at the time of no frame with a pose the vehicle's is known.
     """
     track = options.vehicle
     if track is None:
@@ -102,7 +111,16 @@ def write_px4(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
         turned = None if target.rotation is None else rotation @ target.rotation
         return Target(position + rotation @ target.position_m, turned)
 
-    return _write(records, options, "MAV_FRAME_LOCAL_NED", to_local)
+    return _write(records, options, "MAV_FRAME_LOCAL_NED", to_local, lambda: _apart(track))
+
+
+def _apart(track: VehicleTrack) -> str:
+    return (
+        f"at the time of none of them the vehicle's pose is known: its track goes from "
+        f"{track.start_s:g} s to {track.end_s:g} s of the flight, with {track.usual_gap_s:g} s "
+        f"between rows, and gaps above {MAX_GAP_S:g} s are not bridged; give a track on the "
+        "flight's clock with more rows"
+    )
 
 
 def target_in_body(sight: Sight, pose: Pose | None, options: ExportOptions) -> Target:
@@ -130,7 +148,11 @@ def sight_of(record: Record) -> Sight | None:
 
 
 def _write(
-    records: Iterable[Record], options: ExportOptions, frame: str, place: Place
+    records: Iterable[Record],
+    options: ExportOptions,
+    frame: str,
+    place: Place,
+    why_none: Callable[[], str],
 ) -> Iterator[bytes]:
     from pymavlink.dialects.v20 import common
 
@@ -142,25 +164,49 @@ def _write(
         return struct.pack(">Q", time_us) + data
 
     start_us = round(options.start_unix_s * 1e6)
-    yield packet(_header(common, frame), start_us)
-    for record, time_s in timed(records):
-        sight = sight_of(record)
-        if sight is None:
-            continue
-        body = target_in_body(sight, full_pose_of(record), options)
-        target = place(body, time_s)
-        if target is not None:
-            time_us = start_us + round(time_s * 1e6)
-            fields = _angles(sight, body, options) | _position(target)
-            message = common.MAVLink_landing_target_message(
-                time_usec=time_us,
-                target_num=0,
-                frame=getattr(common, frame),
-                **fields,
-                type=common.LANDING_TARGET_TYPE_VISION_FIDUCIAL,
-                position_valid=1,
-            )
-            yield packet(message, time_us)
+    header: bytes | None = packet(_header(common, frame), start_us)
+    for time_s, fields in _targets(records, options, place, why_none):
+        if header is not None:
+            yield header
+            header = None
+        time_us = start_us + round(time_s * 1e6)
+        message = common.MAVLink_landing_target_message(
+            time_usec=time_us,
+            target_num=0,
+            frame=getattr(common, frame),
+            **fields,
+            type=common.LANDING_TARGET_TYPE_VISION_FIDUCIAL,
+            position_valid=1,
+        )
+        yield packet(message, time_us)
+
+
+def _targets(
+    records: Iterable[Record],
+    options: ExportOptions,
+    place: Place,
+    why_none: Callable[[], str],
+) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Times, s, and fields of the messages; raises `EmptyExportError` where there is none."""
+    sights = 0
+
+    def found() -> Iterator[tuple[float, dict[str, Any]]]:
+        nonlocal sights
+        for record, time_s in timed(records):
+            sight = sight_of(record)
+            if sight is None:
+                continue
+            sights += 1
+            body = target_in_body(sight, full_pose_of(record), options)
+            target = place(body, time_s)
+            if target is not None:
+                yield time_s, _angles(sight, body, options) | _position(target)
+
+    def nothing() -> str:
+        what = f"{sights} frames have a pose, but {why_none()}" if sights else "no frame has a pose"
+        return f"no LANDING_TARGET was written: {what}"
+
+    return at_least_one(found(), nothing)
 
 
 def _header(common: Any, frame: str) -> Any:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from padstudio.errors import SpecError
+from padstudio.errors import EmptyExportError, SpecError
 from padstudio.flights.exports.vehicle import DOWNWARD, Mount, VehicleTrack
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 
 Record = dict[str, Any]
+T = TypeVar("T")
 
 #: Seconds from one still to the next, as stills have no times.
 STILL_INTERVAL_S = 1.0
@@ -74,6 +75,52 @@ def pose_of(record: Record) -> Pose | None:
 def full_pose_of(record: Record) -> Pose | None:
     """A record's pose where all of it can be used: of quality ``full``."""
     return pose_of(record) if record.get("quality") == "full" else None
+
+
+def at_least_one(items: Iterable[T], nothing: Callable[[], str]) -> Iterator[T]:
+    """The items; a form that would hold none of what it is for is refused.
+
+    Parameters
+    ----------
+    items : iterable
+    nothing : callable
+        Says, once all are gone through, why there is none.
+
+    Raises
+    ------
+    EmptyExportError
+        With the first item asked for.
+    """
+    is_empty = True
+    for item in items:
+        is_empty = False
+        yield item
+    if is_empty:
+        raise EmptyExportError(nothing())
+
+
+def full_poses(records: Iterable[Record], form: str) -> Iterator[tuple[Record, Pose, float]]:
+    """Records whose pose is of quality ``full``, with it and their time, s.
+
+    Raises
+    ------
+    EmptyExportError
+        If there is none.
+    """
+
+    def found() -> Iterator[tuple[Record, Pose, float]]:
+        for record, time_s in timed(records):
+            pose = full_pose_of(record)
+            if pose is not None:
+                yield record, pose, time_s
+
+    return at_least_one(
+        found(),
+        lambda: (
+            f"no frame has a pose of quality full, and {form} holds no other: nothing was written; "
+            "csv and jsonl hold every frame"
+        ),
+    )
 
 
 def in_blocks(pieces: Iterable[bytes]) -> Iterator[bytes]:

@@ -7,7 +7,7 @@ import io
 import json
 from collections.abc import Iterable, Iterator
 
-from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, timed
+from padstudio.flights.exports.options import ExportOptions, Record, full_poses
 
 #: The header says the convention: the camera in the pad frame, millimetres, degrees.
 COLUMNS = (
@@ -139,14 +139,11 @@ def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     """
     since = " of Unix time" if options.start_unix_s else ""
     header = _TUM_HEADER.format(since=since)
-    for record, time_s in timed(records):
-        if full_pose_of(record) is not None:
-            if header:
-                yield (header + _ESTIMATES.get(record.get("estimate", "frame"), "")).encode()
-                header = ""
-            position = (f"{value / 1000:.9f}" for value in record["position_mm"])
-            quaternion = (f"{value:.12f}" for value in record["quaternion_xyzw"])
-            stamp = f"{options.start_unix_s + time_s:.6f}"
-            yield " ".join([stamp, *position, *quaternion]).encode() + b"\n"
-    if header:
-        yield header.encode()
+    for record, _, time_s in full_poses(records, "a TUM trajectory"):
+        if header:
+            yield (header + _ESTIMATES.get(record.get("estimate", "frame"), "")).encode()
+            header = ""
+        position = (f"{value / 1000:.9f}" for value in record["position_mm"])
+        quaternion = (f"{value:.12f}" for value in record["quaternion_xyzw"])
+        stamp = f"{options.start_unix_s + time_s:.6f}"
+        yield " ".join([stamp, *position, *quaternion]).encode() + b"\n"

@@ -98,6 +98,21 @@ class VehicleTrack:
         signs = np.where(np.sum(unit[1:] * unit[:-1], axis=1) < 0, -1.0, 1.0)
         self._quaternion = unit * np.cumprod(np.r_[1.0, signs])[:, None]
 
+    @property
+    def start_s(self) -> float:
+        """Time of the first pose."""
+        return float(self._time_s[0])
+
+    @property
+    def end_s(self) -> float:
+        """Time of the last pose."""
+        return float(self._time_s[-1])
+
+    @property
+    def usual_gap_s(self) -> float:
+        """From one pose to the next, the median."""
+        return float(np.median(np.diff(self._time_s)))
+
     @classmethod
     def from_csv(cls, lines: Iterable[str]) -> VehicleTrack:
         """Read a table whose header names `COLUMNS`, in any order.

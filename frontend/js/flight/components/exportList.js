@@ -6,9 +6,9 @@ import { exportUrl } from "../../server/flightsApi.js";
 /**
  * @param {HTMLElement} root
  * @param {string} id  of the flight
- * @param {{onVehicle: (file: File) => void}} events
+ * @param {{onVehicle: (file: File) => void, onExport: (url: string) => void}} events
  */
-export function mountExportList(root, id, { onVehicle }) {
+export function mountExportList(root, id, { onVehicle, onExport }) {
   const list = /** @type {HTMLElement} */ (root.querySelector("[data-ref=list]"));
   list.replaceChildren(
     ...EXPORTS.map(({ form, name, about }) => {
@@ -16,6 +16,10 @@ export function mountExportList(root, id, { onVehicle }) {
       link.className = "export-link";
       link.dataset.form = form;
       link.download = "";
+      link.addEventListener("click", (event) => {
+        event.preventDefault();
+        onExport(link.href);
+      });
       const note = Object.assign(document.createElement("span"), { className: "quiet", textContent: about });
       link.append(Object.assign(document.createElement("span"), { textContent: name }), " ", note);
       const item = document.createElement("li");

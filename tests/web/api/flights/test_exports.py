@@ -131,6 +131,16 @@ def test_ill_formed_tracks(
     refused(answer, 422, "invalid_vehicle_track")
 
 
+def test_a_track_with_too_few_rows_writes_nothing(
+    server: httpx.Client, flight: str, refused: Refused
+) -> None:
+    track = "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n0.01,0,0,-3,1,0,0,0\n1.01,10,0,-3,1,0,0,0\n"
+    answer = server.post(f"{flight}/export/px4", files={"vehicle": ("v.csv", track)})
+    message = refused(answer, 422, "empty_export")["message"]
+    assert message.startswith(f"no LANDING_TARGET was written: {FRAMES} frames have a pose, but")
+    assert "with 1 s between rows" in message
+
+
 def test_what_there_is_not(server: httpx.Client, flight: str, refused: Refused) -> None:
     refused(server.get(f"{flight}/export/kml"), 422, "invalid_request")
     refused(server.get("/api/v1/flights/none/export/csv"), 404, "not_found")
