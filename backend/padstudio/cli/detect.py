@@ -6,22 +6,21 @@ import json
 import logging
 import os
 import sys
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Annotated, Any, Literal
 
-import numpy as np
 import typer
 
-from padstudio.cli.support import (
-    check_output,
-    note,
-    progress_bar,
-    show_error,
-    show_table,
+from padstudio.cli.outcomes import (
+    EXIT_NOTHING_FOUND,
+    Figures,
+    figures_of,
+    show_summary,
+    write_record,
 )
+from padstudio.cli.support import check_output, note, progress_bar
 from padstudio.flights import batch
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
@@ -35,11 +34,6 @@ from padstudio.geometry.presets import load_camera
 from padstudio.media.sources import find_frames
 from padstudio.pad.spec import Pad
 
-Figures = dict[str, Any]
-# What the summary says of poses that are not to be used as a whole.
-_NOT_FULL = {"bearing": "range and bearing only", None: "quality unknown"}
-
-EXIT_NOTHING_FOUND = 1
 # Below this many frames a process, starting it costs more than it saves.
 _FRAMES_PER_JOB = 4
 
@@ -149,12 +143,12 @@ def detect(
             progress(frames_done)
             workers = _jobs(jobs, total, len(pieces))
             for record in batch.detect(pieces, jobs=workers, done=earlier, fusion=fusion):
-                outcomes.append(_write(record, file))
+                outcomes.append(write_record(record, file))
                 place = record["source"], record["frame"]
                 frames_done, last = frames_done + (place != last), place
                 progress(frames_done)
     if not quiet:
-        _show_summary(outcomes)
+        show_summary(outcomes)
     if not any(figures["ok"] for figures in outcomes):
         raise typer.Exit(EXIT_NOTHING_FOUND)
 
@@ -177,14 +171,6 @@ def _fusion(fuse: bool, smooth: bool) -> Fusion:
     if smooth and not fuse:
         raise typer.BadParameter("--smooth fuses poses; it excludes --no-fuse")
     return "smooth" if smooth else "filter" if fuse else "none"
-
-
-def _write(record: dict[str, Any], file: IO[str]) -> Figures:
-    file.write(json.dumps(record, ensure_ascii=False) + "\n")
-    file.flush()
-    if record.get("stage") == "read":
-        show_error(f"{record['source']}: {record['detail']}", record["reason"])
-    return _figures(record)
 
 
 def _jobs(asked: int, frames: int, pieces: int) -> int:
@@ -214,29 +200,4 @@ def _writer(
 def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
     """What a poses file holds; a last line that was cut off is cut away."""
     cut_unfinished_line(path)
-    return {(record["source"], record["frame"]): _figures(record) for record in read_poses(path)}
-
-
-def _figures(record: dict[str, Any]) -> Figures:
-    """What the summary needs of a record, so that a long run does not keep them all."""
-    ok = record["status"] == "ok"
-    outcome = f"pose by {record.get('layer')}" if ok else f"failed at {record['stage']}"
-    why = _NOT_FULL.get(record.get("quality"), "") if ok else record["reason"]
-    elapsed_ms = record.get("elapsed_ms") or {}
-    return {"ok": ok, "outcome": (outcome, why), "ms": elapsed_ms.get("total")}
-
-
-def _show_summary(records: list[Figures]) -> None:
-    counts = Counter(figures["outcome"] for figures in records)
-    rows = [
-        (outcome, why, str(count), f"{100 * count / len(records):.1f} %")
-        for (outcome, why), count in sorted(counts.items(), key=lambda item: (-item[1], item[0]))
-    ]
-    times = [figures["ms"] for figures in records if figures["ms"] is not None]
-    show_table(
-        ("outcome", "reason", "frames", "share"),
-        rows,
-        right=("frames", "share"),
-        caption=f"median {np.median(times):.0f} ms a frame, picture decoded" if times else None,
-        to_stderr=True,
-    )
+    return {(record["source"], record["frame"]): figures_of(record) for record in read_poses(path)}

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from padstudio.cli.detect import EXIT_NOTHING_FOUND
+from padstudio.cli.outcomes import EXIT_NOTHING_FOUND
 from padstudio.errors import LimitError, NotFoundError
 from padstudio.flights.bundles.members import MAX_BYTES
 from padstudio.flights.bundles.reading import unpack
