@@ -108,6 +108,18 @@ def identify(head: bytes) -> Content:
     return content
 
 
+def name_of(content: Content, sha256: str) -> str:
+    """A name for a file that was sent without one: the same for the same bytes.
+
+    Parameters
+    ----------
+    content : Content
+    sha256 : str
+        Hexadecimal, of the whole file.
+    """
+    return f"{content.kind}-{sha256[:8]}{content.suffix}"
+
+
 def _by_signature(head: bytes) -> Content | None:
     for start, content in _STARTS.items():
         if head.startswith(start):

@@ -63,6 +63,35 @@ def test_an_upload_in_parts(server: httpx.Client) -> None:
     assert server.head(address, headers=TUS).status_code == 404
 
 
+def test_an_upload_without_a_name_is_called_by_its_content(server: httpx.Client) -> None:
+    digest = hashlib.sha256(MP4).hexdigest()
+    nameless = {"Upload-Metadata": f"filename {base64.b64encode(b' /').decode()}"}
+    for headers in ({}, nameless):
+        address = announce(server, **headers)
+        assert server.get(address).json()["name"] == ""
+        send(server, address, 0, MP4)
+        assert server.get(address).json()["name"] == f"video-{digest[:8]}.mp4"
+        server.delete(address)
+
+
+def test_an_unfinished_upload_is_found_by_the_hash_that_was_announced(
+    server: httpx.Client,
+) -> None:
+    digest = hashlib.sha256(b"announced").hexdigest()
+    metadata = f"sha256 {base64.b64encode(digest.encode()).decode()}"
+    address, _ = announce(server, **{"Upload-Metadata": metadata}), announce(server)
+
+    def found(sha256: str) -> list[str]:
+        query = {"announced_sha256": sha256}
+        items = server.get("/api/v1/uploads", params=query).json()["items"]
+        return [item["id"] for item in items]
+
+    assert found(digest) == [address.rpartition("/")[2]]
+    assert found(hashlib.sha256(b"another").hexdigest()) == []
+    server.delete(address)
+    assert found(digest) == []
+
+
 def test_the_first_bytes_may_come_along(server: httpx.Client) -> None:
     headers = BYTES | {
         "Upload-Length": str(len(MP4)),

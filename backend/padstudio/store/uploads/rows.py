@@ -26,7 +26,8 @@ class Upload:
     created_at : datetime
         UTC.
     name : str
-        As the sender called it; for people only.
+        As the sender called it, else by its content, and empty until that is known; for people
+        only.
     size_bytes : int
     offset : int
         Bytes that are there.

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import shutil
 import threading
+from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.errors import ConflictError, StudioError
+from padstudio.media import content
 from padstudio.store.database.data_folder import new_id
 from padstudio.store.uploads import limits as upload_limits
 from padstudio.store.uploads.files import Append, Checksum, UploadFiles
@@ -52,7 +54,8 @@ class Uploads:
         Parameters
         ----------
         name : str
-            Shown to people, at most 200 characters.
+            Shown to people, at most 200 characters; an empty one is made up of the content, when
+            that is there.
         size_bytes : int
             Of the whole file.
         metadata : str
@@ -99,6 +102,11 @@ class Uploads:
         self.expire()
         return self._rows.page(limit, offset, sha256)
 
+    def unfinished(self) -> Sequence[Upload]:
+        """Those that are not complete, and whose time is not over."""
+        self.expire()
+        return self._rows.unfinished()
+
     def path(self, upload_id: str) -> Path:
         """Where a complete upload's file lies; it never changes.
 
@@ -112,8 +120,8 @@ class Uploads:
         upload = self.get(upload_id)
         if not upload.complete or upload.sha256 is None:
             raise ConflictError(
-                f"{upload.name} is not complete: {upload.offset} of {upload.size_bytes} bytes are "
-                "there; send the rest",
+                f"{upload.name or 'the upload'} is not complete: {upload.offset} of "
+                f"{upload.size_bytes} bytes are there; send the rest",
                 code="upload_incomplete",
             )
         return self._files.whole(upload.sha256)
@@ -171,7 +179,9 @@ class Uploads:
             # The hash stands in the database before the file moves: what a cut between the two
             # leaves is finished when somebody asks for the upload again.
             sha256 = self._files.sha256(upload_id)
-            self._rows.set(upload_id, sha256=sha256, kind=found.kind, media_type=found.media_type)
+            named = {"name": upload.name or content.name_of(found, sha256)}
+            told = {"kind": found.kind, "media_type": found.media_type}
+            self._rows.set(upload_id, sha256=sha256, **named, **told)
         with self._lock:
             self._files.finish(upload_id, self._rows.get(upload_id).sha256 or "")
             self._rows.set(upload_id, expires_at=None)

@@ -80,8 +80,21 @@ def list_uploads(
         str | None,
         Query(pattern=r"^[0-9a-f]{64}$", description="Only complete ones of this content."),
     ] = None,
+    announced_sha256: Annotated[
+        str | None,
+        Query(
+            pattern=r"^[0-9a-f]{64}$",
+            description="Only unfinished ones whose sender said this hash in `Upload-Metadata`, "
+            "as `sha256`.",
+        ),
+    ] = None,
 ) -> UploadList:
-    found, total = shared.store.uploads.list(limit, offset, sha256)
+    if announced_sha256 is None:
+        found, total = shared.store.uploads.list(limit, offset, sha256)
+    else:
+        unfinished = shared.store.uploads.unfinished()
+        announced = [upload for upload in unfinished if _said(upload) == announced_sha256]
+        found, total = announced[offset : offset + limit], len(announced)
     items = [UploadSummary.model_validate(upload) for upload in found]
     return UploadList(items=items, total=total)
 
@@ -203,7 +216,12 @@ def _fault(coming: asyncio.Future[bytes | None]) -> BaseException | None:
     return coming.exception()
 
 
+def _said(upload: Upload) -> str | None:
+    """The hash that a sender announced."""
+    return tus.metadata({"upload-metadata": upload.metadata}).get("sha256")
+
+
 def _plain(name: str) -> str:
-    """A name for people: no folders, nothing unprintable."""
+    """A name for people: no folders, nothing unprintable; empty where nothing is left."""
     last = name.replace("\\", "/").rsplit("/", 1)[-1]
-    return "".join(c for c in last if c.isprintable())[:200] or "upload"
+    return "".join(c for c in last if c.isprintable())[:200].strip()

@@ -29,7 +29,10 @@ class UploadSummary(BaseModel):
     )
 
     id: str
-    name: str = Field(description="As the sender called it.")
+    name: str = Field(
+        description="As the sender called it, else by its content: `video-5d41402a.mp4`; empty "
+        "until that is known."
+    )
     size_bytes: int
     offset: int = Field(description="Bytes that are there.")
     complete: bool = Field(description="All bytes are there, and the content has been examined.")
