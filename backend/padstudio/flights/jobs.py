@@ -17,6 +17,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
 from padstudio.errors import ConflictError, LimitError, NotFoundError
+from padstudio.flights.callbacks import add_callback, renew_callback
 from padstudio.store.database.data_folder import new_id
 from padstudio.store.database.flight_tables import (
     OPEN,
@@ -49,6 +50,10 @@ class FlightOrder:
     rerun_of : str or None
     other_pads : sequence of str
         The content of more pad files, of pads that frames may show as well, or instead.
+    callback : str or None
+        URL of who is called when the flight has ended; it has been checked.
+    key : str or None
+        What no other flight is ordered under.
     """
 
     name: str
@@ -58,6 +63,8 @@ class FlightOrder:
     request: Mapping[str, Any] = field(default_factory=dict)
     rerun_of: str | None = None
     other_pads: Sequence[str] = ()
+    callback: str | None = None
+    key: str | None = None
 
 
 class Flights:
@@ -74,7 +81,7 @@ class Flights:
         self._session, self._max_open = session, max_open
 
     def create(self, order: FlightOrder) -> FlightRow:
-        """Queue a flight.
+        """Queue a flight; one that was ordered under the same key is the one that is there.
 
         Raises
         ------
@@ -96,6 +103,7 @@ class Flights:
             pad=order.pad,
             other_pads=list(order.other_pads),
             camera=order.camera,
+            order_key=order.key,
         )
         try:
             with self._session.begin() as session:
@@ -107,7 +115,12 @@ class Flights:
                     for place, upload in enumerate(order.uploads)
                 )
                 session.add(ChunkRow(flight=flight.key, number=0, state="queued"))
+                if order.callback is not None:
+                    add_callback(session, flight.key, order.callback)
         except IntegrityError as error:
+            known = None if order.key is None else self.of_key(order.key)
+            if known is not None:
+                return known
             raise NotFoundError("an upload of this flight was removed; upload it again") from error
         return self.get(flight.id)
 
@@ -146,6 +159,12 @@ class Flights:
         if found is None:
             raise NotFoundError("there is no flight of that id; the list of flights has them all")
         return found
+
+    def of_key(self, key: str) -> FlightRow | None:
+        """The flight that was ordered under a key; None where there is none."""
+        ordered = select(FlightRow).where(FlightRow.order_key == key)
+        with self._session() as session:
+            return session.scalar(ordered)
 
     def uploads(self, flight: FlightRow) -> tuple[str, ...]:
         """Ids of the uploads that a flight reads, in order."""
@@ -192,6 +211,7 @@ class Flights:
                 .where(ChunkRow.flight == flight.key, ChunkRow.state.in_(("failed", "cancelled")))
                 .values(state="queued", failures=0, error=None, lease_until=None)
             )
+            renew_callback(session, flight.key)
         return self.get(flight_id)
 
     def rename(self, flight_id: str, name: str) -> FlightRow:
@@ -206,7 +226,9 @@ class Flights:
         flight = self.get(flight_id)
         with self._session.begin() as session:
             session.execute(
-                update(FlightRow).where(FlightRow.key == flight.key).values(state="deleting")
+                update(FlightRow)
+                .where(FlightRow.key == flight.key)
+                .values(state="deleting", order_key=None)
             )
             self._end_chunks(session, flight.key)
             # From now on its uploads may go.

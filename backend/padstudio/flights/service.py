@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio import __version__
 from padstudio.errors import ConflictError, NotFoundError, SpecError
+from padstudio.flights.callbacks import Callbacks
 from padstudio.flights.chunks import Chunks
 from padstudio.flights.cluster.task import Engine, Task
 from padstudio.flights.jobs import FlightOrder, Flights
@@ -90,6 +91,7 @@ class FlightService:
     Attributes
     ----------
     flights : Flights
+    callbacks : Callbacks
     results : Results
     summaries : Summaries
     charts : FigureRows
@@ -109,6 +111,7 @@ class FlightService:
         options: FlightOptions,
     ) -> None:
         self.flights = Flights(session, options.max_open)
+        self.callbacks = Callbacks(session)
         self.results, self.summaries = Results(session), Summaries(session)
         self.charts = FigureRows(session)
         self.comparisons = Comparisons(session)

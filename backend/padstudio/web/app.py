@@ -39,6 +39,7 @@ from padstudio.web.http import errors
 from padstudio.web.http.security import Guard
 from padstudio.web.pages import pages
 from padstudio.web.schemas.base import Health
+from padstudio.web.server.callbacks.service import CallbackService
 from padstudio.web.server.flight_service import open_service
 from padstudio.web.server.services import Analyze, Services
 from padstudio.web.server.settings import Settings, load_settings
@@ -127,7 +128,11 @@ async def _serving(settings: Settings, analyze: Analyze, app: FastAPI) -> AsyncI
     pool = WorkerPool(settings.workers, limits, settings.max_waiting)
     service = open_service(settings, store, pool)
     services = app.state.services = Services(settings, store, pool, service, analyze)
+    calls = CallbackService(
+        service.callbacks, services.callback_hosts, settings.callback_secret or ""
+    )
     service.start()
+    calls.start()
     expiry = asyncio.create_task(uploads.expire_uploads(store.uploads))
     try:
         yield
@@ -136,6 +141,7 @@ async def _serving(settings: Settings, analyze: Analyze, app: FastAPI) -> AsyncI
         await services.simulations.close()
         await services.calibrations.close()
         await services.sweeps.close()
+        await run_in_threadpool(calls.close)
         await run_in_threadpool(service.close)
         pool.close()
         store.close()

@@ -18,7 +18,7 @@ from padstudio.errors import BusyError, StorageError
 #: What the database raises.
 DatabaseFault = SQLAlchemyError
 #: The last of the revisions in `padstudio.store.migrations`.
-NEWEST_REVISION = "0008"
+NEWEST_REVISION = "0009"
 # Alembic keeps its context in a module of its own: one migration at a time in a process.
 _migrating = threading.Lock()
 _MIGRATIONS = Path(__file__).parents[1] / "migrations"

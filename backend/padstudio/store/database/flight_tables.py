@@ -49,6 +49,8 @@ class FlightRow(Base):
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     #: The flight that this one runs again with other parameters.
     rerun_of: Mapped[str | None] = mapped_column(String(32), index=True)
+    #: What it was ordered under, so that it is not ordered twice.
+    order_key: Mapped[str | None] = mapped_column(String(64), index=True, unique=True)
     pad: Mapped[str] = mapped_column(Text, deferred=True)
     #: The content of more pad files; None in flights of older programs.
     other_pads: Mapped[list[str] | None] = mapped_column(JSON, deferred=True)
@@ -95,6 +97,27 @@ class ChunkRow(Base):
     #: Their presentation timestamps, int64 little-endian; empty for stills.
     pts: Mapped[bytes] = mapped_column(LargeBinary, default=b"", deferred=True)
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+
+
+class CallbackRow(Base):
+    """Who is called when a flight has ended, and how that went; at most one a flight."""
+
+    __tablename__ = "callbacks"
+
+    flight: Mapped[int] = mapped_column(
+        BigInteger, ForeignKey("flights.key", ondelete="CASCADE"), primary_key=True
+    )
+    #: Another one for each end of the flight; the same in all attempts to tell that end.
+    delivery: Mapped[str] = mapped_column(String(32))
+    url: Mapped[str] = mapped_column(Text)
+    #: ``open``, ``delivered`` or ``given_up``.
+    state: Mapped[str] = mapped_column(String(20), index=True)
+    attempts: Mapped[int] = mapped_column(Integer)
+    #: When it is tried again; None before the first attempt.
+    next_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    delivered_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    #: Why the last attempt failed, a sentence.
+    error: Mapped[str | None] = mapped_column(Text)
 
 
 class FrameRow(Base):
@@ -163,5 +186,6 @@ class FrameBinRow(Base):
 
 
 OPEN = ("queued", "running")
+ENDED = ("done", "failed", "cancelled")
 #: What frames are detected by.
 RECIPE = (FlightRow.pad, FlightRow.other_pads, FlightRow.camera)

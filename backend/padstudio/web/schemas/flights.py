@@ -159,6 +159,12 @@ class FlightSettings(BaseModel):
     smooth: bool | None = Field(
         None, description="Fuse them with later frames, too; not so by default."
     )
+    callback: str | None = Field(
+        None,
+        max_length=2000,
+        description="Address that is called once when the flight has ended, on a host that the "
+        "server's settings list.",
+    )
 
 
 class OnlyFrames(BaseModel):
@@ -222,13 +228,30 @@ class Flight(BaseModel):
     request: dict[str, Any]
 
 
+class CallbackInfo(BaseModel):
+    """Who is called when a flight has ended, and how that went."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    url: str
+    delivery: str = Field(description="Its id, `webhook-id` of every attempt.")
+    state: Literal["open", "delivered", "given_up"]
+    attempts: int
+    next_at: datetime | None = Field(description="When it is tried again.")
+    delivered_at: datetime | None
+    error: str | None = Field(description="Why the last attempt failed.")
+
+
 class FlightDetail(Flight):
     """A flight with what its uploads hold."""
 
-    model_config = _example({**FLIGHT_EXAMPLE, "sources": [SOURCE_EXAMPLE], "telemetry": False})
+    model_config = _example(
+        {**FLIGHT_EXAMPLE, "sources": [SOURCE_EXAMPLE], "telemetry": False, "callback": None}
+    )
 
     sources: list[dict[str, Any]]
     telemetry: bool = Field(description="There is telemetry, beside or inside the video.")
+    callback: CallbackInfo | None = None
 
 
 class FlightList(BaseModel):

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, Any, TypeVar
 from urllib.parse import quote
 
@@ -19,6 +20,7 @@ from padstudio.store.store import Store, Stored
 from padstudio.vision import warm
 from padstudio.web.schemas.base import ErrorBody
 from padstudio.web.server.calibration_service import CalibrationJob
+from padstudio.web.server.callbacks.hosts import CallbackHosts
 from padstudio.web.server.folder_jobs import FolderJob, FolderJobs
 from padstudio.web.server.grown_pads import GrownPads
 from padstudio.web.server.settings import Settings
@@ -107,6 +109,11 @@ class Services:
         return await asyncio.wrap_future(
             self.pool.start(function, *args, timeout_s=timeout_s).future
         )
+
+    @cached_property
+    def callback_hosts(self) -> CallbackHosts:
+        """Who may be called when a flight has ended."""
+        return CallbackHosts(self.settings.callback_hosts)
 
     def warm_up(self) -> None:
         """Start workers on a small pad, so that the first user does not wait for their imports."""

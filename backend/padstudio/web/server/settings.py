@@ -11,11 +11,12 @@ import os
 import sys
 from pathlib import Path
 
-from pydantic import Field, ValidationError, field_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from padstudio.errors import SpecError
 from padstudio.pad import spec
+from padstudio.web.server.callbacks.hosts import CallbackHosts
 
 MB = 1_000_000
 
@@ -57,6 +58,18 @@ class Settings(BaseSettings):
         (),
         description="Further host names to answer to without a token, as a JSON list; for a "
         "reverse proxy that checks users itself.",
+    )
+    callback_hosts: tuple[str, ...] = Field(
+        (),
+        description="Hosts that may be called when a flight has ended, host or host:port, as a "
+        "JSON list; none by default.",
+    )
+    callback_secret: str | None = Field(
+        None,
+        min_length=24,
+        max_length=200,
+        description="Secret that callbacks are signed with; required where hosts are listed.",
+        repr=False,
     )
     data: Path = Field(
         default_factory=default_data_folder,
@@ -189,6 +202,21 @@ class Settings(BaseSettings):
     @classmethod
     def _absolute(cls, value: Path) -> Path:
         return value.expanduser().absolute()
+
+    @field_validator("callback_hosts")
+    @classmethod
+    def _readable(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        CallbackHosts(value)
+        return value
+
+    @model_validator(mode="after")
+    def _signed(self) -> Settings:
+        if self.callback_hosts and self.callback_secret is None:
+            raise ValueError(
+                "callbacks are signed: set PADSTUDIO_CALLBACK_SECRET beside "
+                "PADSTUDIO_CALLBACK_HOSTS"
+            )
+        return self
 
     @property
     def lacks_token(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi import APIRouter, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from sse_starlette import EventSourceResponse, ServerSentEvent
 
@@ -38,6 +38,14 @@ from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
+OrderKey = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        pattern=r"^[A-Za-z0-9_-]{16,64}$",
+        description="An order that is sent again under the same key makes no second flight.",
+    ),
+]
 FrameNumber = Annotated[int, Path(ge=0, le=2**31 - 1, examples=[412])]
 _FILTERS = {field.name for field in fields(FrameFilter)}
 # A flight's progress is looked up so often for those who watch it.
@@ -67,9 +75,21 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.post("", operation_id="createFlight", summary="Analyse uploads", status_code=202)
-def create_flight(new: NewFlight, shared: Shared, response: Response) -> FlightDetail:
-    flight = order_flight(new, shared)
+@router.post(
+    "",
+    operation_id="createFlight",
+    summary="Analyse uploads",
+    status_code=202,
+    responses={200: {"description": "A flight was ordered under this key already; this is it."}},
+)
+def create_flight(
+    new: NewFlight, shared: Shared, response: Response, key: OrderKey = None
+) -> FlightDetail:
+    flight = None if key is None else shared.flights.flights.of_key(key)
+    if flight is None:
+        flight = order_flight(new, shared, key)
+    else:
+        response.status_code = 200
     response.headers["Location"] = f"/api/v1/flights/{flight.id}"
     return describe_detail(shared, shared.flights.flights.get(flight.id, texts=True))
 
@@ -127,7 +147,7 @@ def rerun_flight(
     flight_id: ItemId, changes: RerunSettings, shared: Shared, response: Response
 ) -> FlightDetail:
     def change(order: FlightOrder) -> FlightOrder:
-        order = _changed(order, changes, shared.store)
+        order = _changed(order, changes, shared)
         if changes.only is None:
             return order
         only = {"flight": flight_id, "reason": changes.only.reason}
@@ -193,10 +213,18 @@ def get_flight_telemetry(flight_id: ItemId, shared: Shared) -> TelemetryColumns:
     return TelemetryColumns.model_validate(flight.telemetry)
 
 
-def order_flight(new: NewFlight, shared: Services) -> FlightRow:
-    """Queue an analysis; raises as `FlightService.order`."""
-    order = FlightOrder("", new.uploads, "", "", _DEFAULTS)
-    return shared.flights.order(_changed(order, new, shared.store))
+def order_flight(new: NewFlight, shared: Services, key: str | None = None) -> FlightRow:
+    """Queue an analysis; raises as `FlightService.order`.
+
+    Parameters
+    ----------
+    new : NewFlight
+    shared : Services
+    key : str or None
+        A flight that is ordered under the same one is the one that is there.
+    """
+    order = FlightOrder("", new.uploads, "", "", _DEFAULTS, key=key)
+    return shared.flights.order(_changed(order, new, shared))
 
 
 def describe(shared: Services, row: FlightRow) -> Flight:
@@ -213,7 +241,12 @@ def describe_detail(shared: Services, row: FlightRow) -> FlightDetail:
         for source in row.sources
     ]
     return FlightDetail.model_validate(
-        _fields(shared, row) | {"sources": sources, "telemetry": row.telemetry is not None}
+        _fields(shared, row)
+        | {
+            "sources": sources,
+            "telemetry": row.telemetry is not None,
+            "callback": shared.flights.callbacks.of(row),
+        }
     )
 
 
@@ -238,8 +271,11 @@ def _fields(shared: Services, row: FlightRow) -> dict[str, Any]:
     return shown | {"progress": round(done, 4), "notice": notice}
 
 
-def _changed(order: FlightOrder, given: FlightSettings, store: Store) -> FlightOrder:
+def _changed(order: FlightOrder, given: FlightSettings, shared: Services) -> FlightOrder:
     """An order with what was given in place of what it had."""
+    store = shared.store
+    if given.callback is not None:
+        order = replace(order, callback=str(shared.callback_hosts.check(given.callback)))
     values = given.model_dump(exclude_unset=True)
     request = _DEFAULTS | dict(order.request)
     request |= {name: values[name] for name in _DEFAULTS if name in values}

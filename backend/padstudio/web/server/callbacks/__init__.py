@@ -1,0 +1,1 @@
+"""Who is called when a flight has ended, and how."""
