@@ -62,6 +62,7 @@ ORDER = (
     "flights/pictures",
     "flights/tuning",
     "flights/bundles",
+    "flights/exports/frames",
     "flights/exports",
     "flights",
     "web/schemas",

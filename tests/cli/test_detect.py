@@ -131,6 +131,15 @@ def test_resume_leaves_other_files_alone(frames):
         assert path.read_text() == text
 
 
+def test_resume_takes_the_arguments_of_the_first_run(frames):
+    path = frames / "poses.jsonl"
+    assert detect(frames, "-o", path, "-j", "1").exit_code == 0
+    before = path.read_text(encoding="utf-8")
+    result = detect(frames / "f10.png", "-o", path, "-j", "1", "--resume")
+    assert_one_line_error(result, "another_run")
+    assert path.read_text(encoding="utf-8") == before
+
+
 @pytest.mark.parametrize("more", [(), ("-o", "x.jsonl", "--force")])
 def test_resume_needs_a_file(more):
     assert_one_line_error(detect(SAMPLES, "--resume", *more), "usage")
@@ -147,7 +156,7 @@ def test_videos_and_stills_side_by_side(tmp_path):
     assert [(line["frame"], line["status"]) for line in found] == [
         (0, "ok"),
         (30, "ok"),
-        (0, "failed"),
+        (60, "failed"),
     ]
     assert found[1]["time_s"] == pytest.approx(1.0, abs=1e-6)
     assert "66.7 %" in result.stderr

@@ -18,11 +18,13 @@ from padstudio.vision.stage.trace import Reason, StageFailure
 SAMPLES = ROOT / "samples"
 LANDING = ROOT / "tests" / "footage" / "flights" / "landing.mp4"
 HEIGHTS = (900.0, 700.0, 500.0)
+FRAME_PX = (2720, 1530)
 
 
 def full(height):
     pose = look_at_pad(height)
-    return Detection(pose, layer="red", uncertainty=Uncertainty.of(pose, 1e-6 * np.eye(6)))
+    sigma = Uncertainty.of(pose, 1e-6 * np.eye(6))
+    return Detection(pose, layer="red", uncertainty=sigma, frame_px=FRAME_PX)
 
 
 @pytest.fixture
@@ -30,7 +32,7 @@ def poses(tmp_path, monkeypatch):
     """A poses file of a failed frame and three full poses, in the working folder."""
     monkeypatch.chdir(tmp_path)
     failure = StageFailure("lines", Reason.NO_LATTICE, "3 lines", "go closer")
-    found = [Detection(None, failure)]
+    found = [Detection(None, failure, frame_px=FRAME_PX)]
     found += [full(height) for height in HEIGHTS]
     lines = [
         json.dumps(detection.to_record("landing.mp4", frame=2 * k, time_s=k / 15))
@@ -91,7 +93,7 @@ def test_frames_of_a_video_go_into_a_log(poses):
 
 
 def test_stills_go_into_a_log_as_far_as_they_are_there(poses):
-    cv2.imwrite("a.png", np.zeros((20, 30, 3), np.uint8))
+    cv2.imwrite("a.png", np.zeros((18, 32, 3), np.uint8))
     names = ("a.png", "missing.png")
     lines = [full(500.0).to_record(name) for name in names]
     poses.write_text("\n".join(map(json.dumps, lines)))
@@ -130,3 +132,40 @@ def test_what_is_not_there(poses):
     assert_one_line_error(export("no.jsonl", "--form", "csv"), "os_error")
     assert_one_line_error(export(poses, "--form", "kml"), "usage")
     assert_one_line_error(export(poses, "--form", "mcap"), "camera_required")
+
+
+def test_the_size_of_frames_is_told_or_refused(poses):
+    lines = [json.loads(line) for line in poses.read_text().splitlines()]
+    for line in lines:
+        del line["frame_px"]
+    poses.write_text("\n".join(map(json.dumps, lines)))
+    arguments = ("--form", "colmap", "--camera", SAMPLES / "camera.yaml", "-o", "a.zip")
+    assert_one_line_error(export(poses, *arguments), "frame_size_unknown")
+    assert not Path("a.zip").exists()
+    assert_one_line_error(export(poses, *arguments, "--frame-size", "2720"), "usage")
+    assert export(poses, *arguments, "--frame-size", "680x382").exit_code == 0
+    with zipfile.ZipFile("a.zip") as archive:
+        assert "1 PINHOLE 680 382 " in archive.read("cameras.txt").decode()
+    # Or the file itself tells.
+    shutil.copy(LANDING, "landing.mp4")
+    assert export(poses, *arguments, "--force").exit_code == 0
+    with zipfile.ZipFile("a.zip") as archive:
+        assert "1 PINHOLE 2720 1530 " in archive.read("cameras.txt").decode()
+
+
+def test_what_was_put_on_one_clock_is_said(poses):
+    text = poses.read_text()
+    poses.write_text(text + text.replace("landing.mp4", "two/landing.mp4"))
+    result = export(poses, "--form", "tum")
+    table = np.loadtxt(io.StringIO(result.stdout))
+    assert (np.diff(table[:, 0]) > 0).all()
+    assert "the times of two/landing.mp4 begin again" in result.stderr
+    track = "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n0,0,0,-1,1,0,0,0\n0.3,0,0,-1,1,0,0,0\n"
+    Path("v.csv").write_text(track)
+    matched = export(poses, "--form", "px4", "--vehicle", "v.csv")
+    assert_one_line_error(matched, "several_clocks")
+
+
+def test_pictures_that_are_not_there_are_counted(poses):
+    arguments = ("--form", "mcap", "--camera", SAMPLES / "camera.yaml", "--images", "-o", "a.mcap")
+    assert "4 frames are without a picture" in export(poses, *arguments).stderr

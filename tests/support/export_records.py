@@ -45,12 +45,14 @@ def records(bearing_at: tuple[int, ...] = ()) -> list[dict[str, Any]]:
             pose,
             layer="red",
             cells_read=90,
+            frame_px=(CAMERA.width, CAMERA.height),
             uncertainty=Uncertainty.of(pose, on_an_arc(pose) if place in bearing_at else SURE),
         )
         for place, pose in enumerate(POSES)
     ]
     failure = StageFailure("lines", Reason.NO_LATTICE, "3 lines", "go closer")
-    detections.insert(FAILED_AT, Detection(None, failure))
+    failed = Detection(None, failure, frame_px=(CAMERA.width, CAMERA.height))
+    detections.insert(FAILED_AT, failed)
     return [
         detection.to_record("a flight.mp4", frame=frame, time_s=frame / 10)
         for frame, detection in enumerate(detections)

@@ -6,7 +6,7 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Annotated, Any, Literal
@@ -21,6 +21,7 @@ from padstudio.cli.outcomes import (
     write_record,
 )
 from padstudio.cli.support import check_output, note, progress_bar
+from padstudio.errors import StudioError
 from padstudio.flights import batch
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.results.poses_file import cut_unfinished_line, read_poses
@@ -137,6 +138,7 @@ def detect(
     paths = find_frames(frames)
     pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
     with _writer(output, resume=resume, force=force) as (file, earlier):
+        _check_same_run(earlier, pieces)
         total = sum(len(piece.numbers) for piece in pieces)
         outcomes, frames_done, last = list(earlier.values()), len(earlier), None
         with progress_bar("Detecting", total) as progress:
@@ -201,3 +203,18 @@ def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
     """What a poses file holds; a last line that was cut off is cut away."""
     cut_unfinished_line(path)
     return {(record["source"], record["frame"]): figures_of(record) for record in read_poses(path)}
+
+
+def _check_same_run(earlier: Collection[tuple[str, int]], pieces: Sequence[batch.Piece]) -> None:
+    """Refuse to go on with a file whose frames are not among those that are asked for."""
+    numbers: dict[str, set[int]] = {}
+    for piece in pieces:
+        numbers.setdefault(piece.source, set()).update(piece.numbers)
+    for source, frame in earlier:
+        if frame not in numbers.get(source, ()):
+            raise StudioError(
+                f"the file holds frame {frame} of {source}, which is none of this run's; --resume "
+                "takes the arguments of the first run, with which files of older versions, that "
+                "number the frames of each source from 0, have to be made anew",
+                code="another_run",
+            )

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
 
 from padstudio.cli.support import check_output, note
-from padstudio.flights.exports import forms
+from padstudio.errors import StudioError
 from padstudio.flights.exports.forms import FULL_POSES_ONLY
-from padstudio.flights.exports.options import ExportOptions
-from padstudio.flights.exports.pads import check_pad, of_pad
-from padstudio.flights.exports.sources import FilePictures
+from padstudio.flights.exports.from_file import PosesFile, export_file
+from padstudio.flights.exports.options import ExportChoices
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
-from padstudio.flights.results.poses_file import read_poses
 from padstudio.geometry.presets import load_camera
 from padstudio.pad.spec import Pad
 
@@ -27,9 +27,9 @@ _EXAMPLES = (
     "-o flight.mcap[/]"
 )
 
-_LEFT_OUT = ("quality bearing", "unknown quality")
+_LEFT_OUT = {"bearing": "quality bearing", "unknown": "unknown quality"}
 
-PosesFile = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
+Poses = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
 FormName = Annotated[
     Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"],
     typer.Option(help="The form to write."),
@@ -37,7 +37,7 @@ FormName = Annotated[
 Output = Annotated[str, typer.Option("-o", "--output", help="File to write; - is stdout.")]
 CameraName = Annotated[
     str | None,
-    typer.Option(help="Camera file or a preset's id, of the frames; for colmap and mcap."),
+    typer.Option(help="Camera file or a preset's id; for colmap and mcap."),
 ]
 PadFile = Annotated[
     Path | None, typer.Option(help="Pad file; its size is drawn in mcap and said in MAVLink.")
@@ -47,6 +47,10 @@ PadId = Annotated[
 ]
 Images = Annotated[
     bool, typer.Option("--images", help="Put the frames into mcap; sources must be there.")
+]
+FrameSize = Annotated[
+    str | None,
+    typer.Option(help="Of poses files that do not say it: width x height, as 1920x1080."),
 ]
 Start = Annotated[float, typer.Option(min=0, help="Unix time of the flight's time 0, s.")]
 Vehicle = Annotated[
@@ -67,13 +71,14 @@ def register(app: typer.Typer) -> None:
 
 
 def export(
-    poses: PosesFile,
+    poses: Poses,
     form: FormName,
     output: Output = "-",
     camera: CameraName = None,
     pad: PadFile = None,
     pad_id: PadId = None,
     images: Images = False,
+    frame_size: FrameSize = None,
     start_unix_s: Start = 0.0,
     vehicle: Vehicle = None,
     turned_deg: Turned = 0.0,
@@ -83,44 +88,60 @@ def export(
     force: Force = False,
 ) -> None:
     """Write a poses file in the form of another program."""
-    options = ExportOptions(
-        camera=None if camera is None else load_camera(camera),
-        pad_size_mm=None if pad is None else Pad.load(pad).size_mm,
-        picture=FilePictures(Path()) if images else None,
+    choices = ExportChoices(
+        form=form,
+        pad_id=pad_id,
+        images=images,
         start_unix_s=start_unix_s,
         mount=Mount.downward(turned_deg, np.array([forward_m, right_m, down_m])),
         vehicle=None if vehicle is None else _track(vehicle),
     )
-    # Read once in advance, so that a fault in the last line leaves no file behind.
-    pads = {record["pad_id"] for record in read_poses(poses) if "pad_id" in record}
-    check_pad(form, pads, pad_id)
-    qualities = Counter(_quality(record) for record in of_pad(read_poses(poses), pad_id))
-    blocks = forms.export(form, of_pad(read_poses(poses), pad_id), options)
+    file = PosesFile(
+        path=poses,
+        camera=None if camera is None else load_camera(camera),
+        pad=None if pad is None else Pad.load(pad),
+        frame_px=None if frame_size is None else _size(frame_size),
+    )
+    found = export_file(file, choices)
+    _write(found.blocks, output, force=force)
+    if output != "-":
+        note(f"{output}: {found.survey.qualities.total()} frames as {form}")
+    _say_left_out(form, found.survey.qualities)
+    for source in found.survey.begin_again:
+        note(f"the times of {source} begin again: taken to follow on the source before it")
+    if found.files.missing:
+        note(f"{found.files.missing} frames are without a picture: their files are not there")
+
+
+def _write(blocks: Iterator[bytes], output: str, *, force: bool) -> None:
+    """Write what comes; a file that a fault leaves half written is taken away."""
     if output == "-":
         for block in blocks:
             sys.stdout.buffer.write(block)
-        _say_left_out(form, qualities)
         return
     path = Path(output)
     check_output(path, force=force)
-    with path.open("wb") as file:
-        file.writelines(blocks)
-    note(f"{path}: {qualities.total()} frames as {form}")
-    _say_left_out(form, qualities)
+    try:
+        with path.open("wb") as file:
+            file.writelines(blocks)
+    except StudioError:
+        path.unlink()
+        raise
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if found is None or 0 in (size := (int(found[1]), int(found[2]))):
+        raise typer.BadParameter("--frame-size is width x height, as 1920x1080")
+    return size
 
 
 def _say_left_out(form: str, qualities: Counter[str]) -> None:
-    for quality in _LEFT_OUT if form in FULL_POSES_ONLY else ():
+    for quality, name in _LEFT_OUT.items() if form in FULL_POSES_ONLY else ():
         count = qualities[quality]
         if count:
-            poses = f"1 pose of {quality} is" if count == 1 else f"{count} poses of {quality} are"
+            poses = f"1 pose of {name} is" if count == 1 else f"{count} poses of {name} are"
             note(f"{poses} left out, as {form} holds full poses only")
-
-
-def _quality(record: dict[str, Any]) -> str:
-    """What `_say_left_out` calls it; of a failed frame nothing."""
-    names = {"bearing": "quality bearing", None: "unknown quality"}
-    return names.get(record.get("quality"), "") if record["status"] == "ok" else ""
 
 
 def _track(path: Path) -> VehicleTrack:

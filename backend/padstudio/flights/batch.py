@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import cv2
 
 from padstudio.errors import StudioError
-from padstudio.flights.results.fusing import Fusion, fused_records, without_covariance
+from padstudio.flights.results.fusing import Fusion, fused_records
 from padstudio.flights.tasks import from_rows
 from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.flights.tasks.frames import (
@@ -21,8 +21,9 @@ from padstudio.flights.tasks.frames import (
     VideoPart,
     defect_record,
     unread_record,
+    with_covariance,
 )
-from padstudio.flights.tasks.planning import PlanTask, SourceFile
+from padstudio.flights.tasks.planning import Plan, PlanTask, SourceFile
 from padstudio.media import images, video_index
 from padstudio.media.sources import is_video
 
@@ -40,9 +41,10 @@ _CHUNK_FRAMES = 120
 
 @dataclass(frozen=True)
 class Still:
-    """A still to be read."""
+    """A still to be read: where it lies, its number among all frames, and how to detect."""
 
     path: Path
+    number: int
     recipe: Recipe
 
     def run(self, stopped: Callable[[], bool]) -> list[Record]:
@@ -50,14 +52,16 @@ class Still:
         detector, picture = detector_for(self.recipe), images.read(self.path)
         several = bool(self.recipe.others)
         found = detector.detect_all(picture) if several else [detector.detect(picture)]
-        return [detection.to_record(self.path.as_posix()) for detection in found]
+        source = self.path.as_posix()
+        return [with_covariance(each, source) | {"frame": self.number} for each in found]
 
 
 @dataclass(frozen=True)
 class Unread:
-    """A video that cannot be read, and why."""
+    """A video that cannot be read, why, and when its frames would begin, s."""
 
     error: StudioError
+    start_s: float
 
     def run(self, stopped: Callable[[], bool]) -> list[Record]:
         """Raises the error."""
@@ -73,7 +77,7 @@ class Piece:
     source : str
         As records name it.
     numbers : range
-        Of the frames.
+        Of the frames, counted on from source to source.
     task : Still, FramesTask or Unread
     """
 
@@ -83,11 +87,13 @@ class Piece:
 
     @property
     def times_s(self) -> list[float | None]:
-        """Times of the frames in their video; None of stills."""
+        """Times of the frames, counted on from video to video; None of stills."""
+        if isinstance(self.task, Unread):
+            return [self.task.start_s]
         part = self.task.part if isinstance(self.task, FramesTask) else None
         if not isinstance(part, VideoPart):
             return [None] * len(self.numbers)
-        return [(pts - part.start_pts) * part.time_base_s for pts in part.timestamps]
+        return [part.time_of(pts) for pts in part.timestamps]
 
     @property
     def timeout_s(self) -> float:
@@ -98,7 +104,10 @@ class Piece:
 def plan(
     paths: Iterable[Path], recipe: Recipe, *, stride: int = 1, apply_rotation: bool = True
 ) -> list[Piece]:
-    """Part stills and videos into pieces; nothing is decoded yet.
+    """Part stills and videos into pieces, as a flight of them is; nothing is decoded yet.
+
+    Frames are numbered on from file to file, and each video begins where the one before ends. A
+    file that cannot be read counts as one frame of no duration.
 
     Parameters
     ----------
@@ -109,12 +118,48 @@ def plan(
     apply_rotation : bool
         Turn videos as their rotation flag says.
     """
+    task = PlanTask(
+        files=tuple(
+            SourceFile("", "video" if is_video(path) else "still", path.as_posix(), str(path))
+            for path in paths
+        ),
+        camera=recipe.camera,
+        first_frame=0,
+        end_frame=None,
+        stride=stride,
+        chunk_frames=_CHUNK_FRAMES,
+        apply_rotation=apply_rotation,
+        max_pixels=images.MAX_PIXELS,
+        max_frames=video_index.MAX_FRAMES,
+        keep_going=True,
+    )
+    found = task.run(_never)
+    videos = _video_pieces(found, recipe, stride)
     pieces: list[Piece] = []
-    for path in paths:
-        if is_video(path):
-            pieces += _plan_video(path, recipe, stride, apply_rotation)
+    for place, source in enumerate(found.sources):
+        alone = range(source["first_frame"], source["first_frame"] + 1)
+        if place in found.unread:
+            failed = Unread(found.unread[place], source["start_s"])
+            pieces.append(Piece(source["name"], alone, failed))
+        elif source["kind"] == "still":
+            still = Still(Path(source["url"]), alone.start, recipe)
+            pieces.append(Piece(source["name"], alone, still))
         else:
-            pieces.append(Piece(path.as_posix(), range(1), Still(path, recipe)))
+            pieces += videos.get(place, [])
+    return pieces
+
+
+def _video_pieces(found: Plan, recipe: Recipe, stride: int) -> dict[int, list[Piece]]:
+    """The pieces of each video, by its place among the sources."""
+    pieces: dict[int, list[Piece]] = {}
+    for chunk in found.chunks:
+        if chunk.pts:
+            source = found.sources[chunk.source]
+            end = chunk.first_frame + chunk.frames * stride
+            numbers = range(chunk.first_frame, end, stride)
+            part = from_rows.video_part(source, chunk.pts)
+            work = FramesTask(recipe, numbers, part, images.MAX_PIXELS)
+            pieces.setdefault(chunk.source, []).append(Piece(source["name"], numbers, work))
     return pieces
 
 
@@ -152,7 +197,7 @@ def detect(
     blocks = _in_order(left, jobs) if jobs > 1 else map(_here, left)
     for record in fused_records(chain.from_iterable(blocks), fusion):
         if (record["source"], record["frame"]) not in done:
-            yield without_covariance(record)
+            yield record
 
 
 def _left(
@@ -171,38 +216,6 @@ def _left(
         piece
         for place, piece in enumerate(pieces)
         if wanted[place] or any(serves(place, place + by) for by in beside if place + by in places)
-    ]
-
-
-def _plan_video(path: Path, recipe: Recipe, stride: int, apply_rotation: bool) -> list[Piece]:
-    source = path.as_posix()
-    task = PlanTask(
-        files=(SourceFile("", "video", source, str(path)),),
-        camera=recipe.camera,
-        first_frame=0,
-        end_frame=None,
-        stride=stride,
-        chunk_frames=_CHUNK_FRAMES,
-        apply_rotation=apply_rotation,
-        max_pixels=images.MAX_PIXELS,
-        max_frames=video_index.MAX_FRAMES,
-    )
-    try:
-        found = task.run(_never)
-    except StudioError as error:
-        return [Piece(source, range(1), Unread(error))]
-    return [
-        Piece(
-            source,
-            numbers := range(chunk.first_frame, chunk.first_frame + chunk.frames * stride, stride),
-            FramesTask(
-                recipe,
-                numbers,
-                from_rows.video_part(found.sources[0], chunk.pts),
-                images.MAX_PIXELS,
-            ),
-        )
-        for chunk in found.chunks
     ]
 
 

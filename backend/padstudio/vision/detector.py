@@ -288,4 +288,11 @@ def _finish(
     if recorder.keep:
         trace = recorder.trace(frame.bgr if isinstance(frame, YuvFrame) else frame)
     failed_at = {} if detection.ok else recorder.failed_at
-    return replace(detection, failed_at=failed_at, elapsed_ms=elapsed_ms, trace=trace)
+    height, width = frame.shape[:2]
+    return replace(
+        detection,
+        failed_at=failed_at,
+        frame_px=(width, height),
+        elapsed_ms=elapsed_ms,
+        trace=trace,
+    )

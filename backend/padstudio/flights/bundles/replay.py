@@ -18,8 +18,8 @@ from padstudio.flights.tuning.bench import detector_of
 from padstudio.vision.dense.tracker import Expectation
 from padstudio.vision.stage.detection import Detection
 
-# Times differ with every run; names of files are no results.
-_TIMES = ("elapsed_ms", "source", "frame", "time_s", "damaged", "covariance")
+# Times differ with every run; names of files and sizes of frames are no results.
+_TIMES = ("elapsed_ms", "source", "frame", "time_s", "damaged", "covariance", "frame_px")
 # Sums run in another order where memory lies otherwise: of figures that follow from the same frame
 # 1e-8 was seen, by far less than they are good to.
 _ROUNDING = 1e-6

@@ -10,6 +10,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from padstudio.flights.exports.byte_stream import ByteStream
+from padstudio.flights.exports.frames.cameras import FrameCameras
 from padstudio.flights.exports.options import ExportOptions, Record, full_poses
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
@@ -34,7 +35,7 @@ def write_colmap(records: Iterable[Record], options: ExportOptions) -> Iterator[
 
     Poses of which only range and bearing can be used are left out: a reconstruction takes
     positions and attitudes for known. Stills are named as they are; frame 412 of flight.mp4 is
-    ``flight/000412.png``.
+    ``flight/000412.png``. There is a camera for each size of frames.
 
     Raises
     ------
@@ -45,34 +46,63 @@ def write_colmap(records: Iterable[Record], options: ExportOptions) -> Iterator[
     ----------
     https://colmap.github.io/format.html
     """
-    camera = options.need_camera("a COLMAP model")
-    return _write(records, camera)
+    return _write(records, options, options.need_cameras("a COLMAP model"))
 
 
-def _write(records: Iterable[Record], camera: Camera) -> Iterator[bytes]:
+def _write(
+    records: Iterable[Record], options: ExportOptions, cameras: FrameCameras
+) -> Iterator[bytes]:
     stream = ByteStream()
+    numbers: dict[Camera, int] = {}
+    names = _Names()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("cameras.txt", f"{_CAMERAS}1 {_camera_line(camera)}\n")
-        archive.writestr("points3D.txt", _POINTS)
-        with archive.open("images.txt", "w", force_zip64=True) as images:
+        with archive.open(_member("images.txt"), "w", force_zip64=True) as images:
             images.write(_IMAGES.encode())
             found = full_poses(records, "a COLMAP model")
             for number, (record, pose, _) in enumerate(found, 1):
-                images.write(_image_lines(record, pose, number).encode())
+                camera = cameras.of(record)
+                assert camera is not None
+                camera_id = numbers.setdefault(camera, len(numbers) + 1)
+                name = names.free(image_name(record, options.name_of(record)), number)
+                images.write(_image_lines(pose, number, camera_id, name).encode())
                 yield stream.take()
+        lines = (f"{number} {_camera_line(camera)}\n" for camera, number in numbers.items())
+        archive.writestr(_member("cameras.txt"), _CAMERAS + "".join(lines))
+        archive.writestr(_member("points3D.txt"), _POINTS)
     yield stream.take()
 
 
-def _image_lines(record: Record, pose: Pose, number: int) -> str:
+def _member(name: str) -> zipfile.ZipInfo:
+    """A member whose bytes do not hang on the time of day."""
+    info = zipfile.ZipInfo(name)
+    info.compress_type = zipfile.ZIP_DEFLATED
+    return info
+
+
+class _Names:
+    """Names that were given, as COLMAP finds a picture by its name alone."""
+
+    def __init__(self) -> None:
+        self._given: set[str] = set()
+
+    def free(self, name: str, number: int) -> str:
+        if name in self._given:
+            path = PurePosixPath(name)
+            name = str(path.with_name(f"{path.stem}_{number}{path.suffix}"))
+        self._given.add(name)
+        return name
+
+
+def _image_lines(pose: Pose, number: int, camera_id: int, name: str) -> str:
     x, y, z, w = pose.quaternion_xyzw
     values = [w, -x, -y, -z, *(pose.tvec_mm / 1000)]
     numbers = " ".join(f"{value:.12g}" for value in values)
-    return f"{number} {numbers} 1 {image_name(record)}\n\n"
+    return f"{number} {numbers} {camera_id} {name}\n\n"
 
 
-def image_name(record: Record) -> str:
+def image_name(record: Record, source: str) -> str:
     """The name of a frame's picture; no spaces, as COLMAP's files are split at them."""
-    source = re.sub(r"\s", "_", str(record["source"]))
+    source = re.sub(r"\s", "_", source)
     if record.get("time_s") is None:
         return source
     return f"{PurePosixPath(source).with_suffix('')}/{record['frame']:06d}.png"

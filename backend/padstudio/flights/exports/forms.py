@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 from padstudio.errors import NotFoundError
 from padstudio.flights.exports.colmap import write_colmap
+from padstudio.flights.exports.frames.records import alike
 from padstudio.flights.exports.mavlink import write_ardupilot, write_px4
 from padstudio.flights.exports.mcap_log import write_mcap
 from padstudio.flights.exports.options import ExportOptions, Record, in_blocks
 from padstudio.flights.exports.text_tables import write_csv, write_jsonl, write_tum
-from padstudio.flights.results.completed import completed
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,8 @@ FORMS: dict[str, Form] = {
 
 #: Forms whose readers take every pose for true: those of another quality are left out.
 FULL_POSES_ONLY = ("tum", "colmap")
+#: Forms that hold frames on one clock.
+TIMED = ("tum", "mcap", "ardupilot", "px4")
 
 
 def export(
@@ -101,7 +103,7 @@ def export(
     """
     if form not in FORMS:
         raise NotFoundError(f"there is no form {form!r}; there are {', '.join(FORMS)}")
-    blocks = in_blocks(FORMS[form].write(map(completed, records), options or ExportOptions()))
+    blocks = in_blocks(FORMS[form].write(alike(records), options or ExportOptions()))
     # What there is nothing of is told before anybody has begun to write or to send.
     first = next(blocks, b"")
     return itertools.chain((first,), blocks)

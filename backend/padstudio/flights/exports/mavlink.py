@@ -22,13 +22,8 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.errors import SpecError
-from padstudio.flights.exports.options import (
-    ExportOptions,
-    Record,
-    at_least_one,
-    full_pose_of,
-    timed,
-)
+from padstudio.flights.exports.frames.records import timed
+from padstudio.flights.exports.options import ExportOptions, Record, at_least_one, full_pose_of
 from padstudio.flights.exports.vehicle import MAX_GAP_S, VehicleTrack
 from padstudio.geometry.pose import Pose
 

@@ -17,8 +17,10 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.flights.exports.byte_stream import ByteStream
+from padstudio.flights.exports.frames.cameras import FrameCameras
+from padstudio.flights.exports.frames.records import timed
 from padstudio.flights.exports.mcap_schemas import SCHEMAS
-from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, pose_of, timed
+from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, pose_of
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.media import content
@@ -58,11 +60,12 @@ def write_mcap(records: Iterable[Record], options: ExportOptions) -> Iterator[by
     SpecError
         If no camera is given.
     """
-    camera = options.need_camera("an MCAP file")
-    return _write(records, camera, options)
+    return _write(records, options.need_cameras("an MCAP file"), options)
 
 
-def _write(records: Iterable[Record], camera: Camera, options: ExportOptions) -> Iterator[bytes]:
+def _write(
+    records: Iterable[Record], cameras: FrameCameras, options: ExportOptions
+) -> Iterator[bytes]:
     from mcap.writer import Writer
 
     stream = ByteStream()
@@ -77,7 +80,8 @@ def _write(records: Iterable[Record], camera: Camera, options: ExportOptions) ->
         )
         for topic, name in TOPICS.items()
     }
-    for sequence, (record, time_s) in enumerate(timed(records)):
+    found = cameras.beside(timed(records), lambda item: item[0])
+    for sequence, ((record, time_s), camera) in enumerate(found):
         time_ns = round((options.start_unix_s + time_s) * 1e9)
         for topic, message in _messages(record, time_ns, camera, options):
             data = json.dumps(message).encode()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
 
 from padstudio.errors import EmptyExportError, SpecError
+from padstudio.flights.exports.frames.cameras import FrameCameras
+from padstudio.flights.exports.frames.records import timed
 from padstudio.flights.exports.vehicle import DOWNWARD, Mount, VehicleTrack
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
@@ -16,10 +18,36 @@ from padstudio.geometry.pose import Pose
 Record = dict[str, Any]
 T = TypeVar("T")
 
-#: Seconds from one still to the next, as stills have no times.
-STILL_INTERVAL_S = 1.0
 # Sent at a time: what a socket takes at once.
 _BLOCK_BYTES = 64 * 1024
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportChoices:
+    """What somebody wants who exports a flight.
+
+    Attributes
+    ----------
+    form : str
+        As of `padstudio.flights.exports.forms.FORMS`.
+    pad_id : str or None
+        Of poses of several pads, those of this one.
+    images : bool
+        The frames, too, where the form has room for them.
+    start_unix_s : float
+        Unix time of the time 0 of the records, s.
+    mount : Mount
+        How the camera sits on the vehicle.
+    vehicle : VehicleTrack or None
+        Where the vehicle was.
+    """
+
+    form: str
+    pad_id: str | None = None
+    images: bool = False
+    start_unix_s: float = 0.0
+    mount: Mount = DOWNWARD
+    vehicle: VehicleTrack | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +57,11 @@ class ExportOptions:
     Attributes
     ----------
     camera : Camera or None
-        That of the frames, in their size.
+        In the size that it was calibrated for.
+    frame_px : callable or None
+        The size of a record's frame where it does not say it, as of `FrameCameras`.
+    names : mapping
+        What sources are called that are not called as records do.
     pad_size_mm : (width, height) or None
         Of the pad without its quiet margin.
     picture : callable or None
@@ -43,26 +75,26 @@ class ExportOptions:
     """
 
     camera: Camera | None = None
+    frame_px: Callable[[Record], tuple[int, int] | None] | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
     pad_size_mm: tuple[float, float] | None = None
     picture: Callable[[Record], bytes | None] | None = None
     start_unix_s: float = 0.0
     mount: Mount = DOWNWARD
     vehicle: VehicleTrack | None = None
 
-    def need_camera(self, form: str) -> Camera:
-        """The camera; raises `SpecError` where none is given."""
+    def need_cameras(self, form: str) -> FrameCameras:
+        """The camera in the size of each frame; raises `SpecError` where none is given."""
         if self.camera is None:
             raise SpecError(
                 f"{form} holds the camera's calibration: give the camera", code="camera_required"
             )
-        return self.camera
+        return FrameCameras(self.camera, self.frame_px)
 
-
-def timed(records: Iterable[Record]) -> Iterator[tuple[Record, float]]:
-    """Records with their times, s; stills are `STILL_INTERVAL_S` apart."""
-    for place, record in enumerate(records):
-        time_s = record.get("time_s")
-        yield record, place * STILL_INTERVAL_S if time_s is None else float(time_s)
+    def name_of(self, record: Record) -> str:
+        """What a record's source is called."""
+        source: str = record["source"]
+        return self.names.get(source, source)
 
 
 def pose_of(record: Record) -> Pose | None:

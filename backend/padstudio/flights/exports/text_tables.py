@@ -68,16 +68,16 @@ def write_csv(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     writer = csv.writer(line)
     writer.writerow(COLUMNS)
     for record in records:
-        writer.writerow(_row(record))
+        writer.writerow(_row(record, options.name_of(record)))
         yield line.getvalue().encode()
         line.seek(0)
         line.truncate()
     yield line.getvalue().encode()
 
 
-def _row(record: Record) -> list[object]:
+def _row(record: Record, source: str) -> list[object]:
     return [
-        _text(record["source"]),
+        _text(source),
         record["frame"],
         record.get("time_s"),
         record["status"],

@@ -73,14 +73,6 @@ def single_record(record: Record) -> Record:
     return completed(rest | pose_fields(pose) | own | {"estimate": "frame"})
 
 
-def without_covariance(record: Record) -> Record:
-    """A record as poses files hold it."""
-    lean = {key: value for key, value in record.items() if key != "covariance"}
-    if "single" in lean:
-        lean["single"] = {k: v for k, v in lean["single"].items() if k != "covariance"}
-    return lean
-
-
 def _measure(record: Record) -> Measurement | None:
     covariance, time_s = record.get("covariance"), record.get("time_s")
     if record["status"] != "ok" or covariance is None or time_s is None:

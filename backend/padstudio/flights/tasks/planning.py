@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -56,11 +56,15 @@ class Plan:
     chunks : list of ChunkPlan
     telemetry : dict or None
         As `padstudio.media.telemetry.to_dict`.
+    unread : dict of int to StudioError
+        Places among the sources of those that cannot be read, each taken for one frame of no
+        duration.
     """
 
     sources: list[dict[str, Any]]
     chunks: list[ChunkPlan]
     telemetry: dict[str, Any] | None
+    unread: dict[int, StudioError] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,9 @@ class PlanTask:
     max_pixels, max_frames : int
     only : bytes or None
         Numbers of frames, int64 little-endian, rising: no others are worked on.
+    keep_going : bool
+        Files that cannot be read are told in the plan, and it may be empty; telemetry inside of
+        videos is not looked for.
     """
 
     files: tuple[SourceFile, ...]
@@ -94,6 +101,7 @@ class PlanTask:
     max_pixels: int
     max_frames: int
     only: bytes | None = None
+    keep_going: bool = False
 
     def run(self, stopped: Callable[[], bool]) -> Plan:
         """Read the index of every file.
@@ -105,6 +113,7 @@ class PlanTask:
         """
         sources: list[dict[str, Any]] = []
         indices: dict[int, VideoIndex] = {}
+        unread: dict[int, StudioError] = {}
         found: telemetry.Telemetry | None = None
         frame, time_s = 0, 0.0
         for file in self.files:
@@ -114,23 +123,27 @@ class PlanTask:
                     continue
                 entry, index = self._look(file, stopped)
             except StudioError as error:
-                raise StudioError(
-                    f"{file.name}: {error.message}", code=error.error_code, detail=error.detail
-                ) from error
+                if not self.keep_going:
+                    raise StudioError(
+                        f"{file.name}: {error.message}", code=error.error_code, detail=error.detail
+                    ) from error
+                unread[len(sources)] = error
+                entry, index = {"frames": 1}, None
             if index is not None:
                 indices[len(sources)] = index
-                found = found or telemetry.read_embedded(file.url)
+                if not self.keep_going:
+                    found = found or telemetry.read_embedded(file.url)
             sources.append(asdict(file) | {"first_frame": frame, "start_s": time_s} | entry)
             frame += entry["frames"]
             time_s += index.info.duration_s if index else 0.0
         chunks = list(self._chunks(sources, indices, frame))
-        if not chunks:
+        if not chunks and not self.keep_going:
             raise SpecError(
                 f"no frame is left to work on: the uploads hold {frame} frames, and frames from "
                 f"{self.first_frame} on were asked for",
                 code="no_frames",
             )
-        return Plan(sources, chunks, telemetry.to_dict(found) if found else None)
+        return Plan(sources, chunks, telemetry.to_dict(found) if found else None, unread)
 
     def _look(
         self, file: SourceFile, stopped: Callable[[], bool]

@@ -128,6 +128,8 @@ class Detection:
         Without a pose, the stage at which each channel failed that was looked at.
     warnings : tuple of Finding
         What a second look finds to doubt of a pose, where it was asked for.
+    frame_px : (width, height) or None
+        Size of the frame.
     elapsed_ms : mapping
         Milliseconds per stage (summed over channels) and ``total``.
     trace : Trace or None
@@ -151,6 +153,7 @@ class Detection:
     flatness_mm: float | None = None
     failed_at: Mapping[Channel, str] = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
+    frame_px: tuple[int, int] | None = None
     elapsed_ms: Mapping[str, float] = field(default_factory=dict)
     trace: Trace | None = None
 
@@ -220,6 +223,8 @@ class Detection:
                 {"reason": str(item.reason), "detail": item.detail, "advice": item.advice}
                 for item in found
             ]
+        if self.frame_px is not None:
+            record["frame_px"] = list(self.frame_px)
         record["elapsed_ms"] = {name: round(ms, 3) for name, ms in self.elapsed_ms.items()}
         return record
 

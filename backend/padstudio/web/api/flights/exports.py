@@ -12,13 +12,10 @@ from fastapi import APIRouter, Depends, File, Query, UploadFile
 from fastapi.responses import StreamingResponse
 
 from padstudio.errors import BusyError, SpecError
-from padstudio.flights.exports.forms import FORMS, export
-from padstudio.flights.exports.options import ExportOptions
-from padstudio.flights.exports.pads import check_pad, of_pad
-from padstudio.flights.exports.sources import FlightPictures, frame_camera
+from padstudio.flights.exports import from_flight
+from padstudio.flights.exports.forms import FORMS
+from padstudio.flights.exports.options import ExportChoices as WantedExport
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
-from padstudio.pad.identity import pad_id
-from padstudio.pad.spec import Pad
 from padstudio.web.server.services import (
     ERRORS,
     ItemId,
@@ -44,7 +41,6 @@ _FILE: dict[int | str, dict[str, Any]] = {
 }
 # Until an export asks again for a process that requests left none of.
 _BUSY_SECONDS = 0.2
-_WITH_CAMERA = ("colmap", "mcap")
 _Metres = Annotated[float, Query(ge=-100, le=100, description="Camera in the body frame, m.")]
 
 
@@ -153,21 +149,17 @@ def _stream(
                 # An export is in no hurry, and must not lose pictures to others' requests.
                 time.sleep(_BUSY_SECONDS)
 
-    results = shared.flights.results
-    loaded = [Pad.loads(text) for text in (flight.pad, *(flight.other_pads or ()))]
-    pads = {pad_id(pad): pad for pad in loaded}
-    check_pad(form, pads, choices.pad_id)
-    options = ExportOptions(
-        camera=frame_camera(flight, run, max_pixels) if form in _WITH_CAMERA else None,
-        pad_size_mm=pads.get(choices.pad_id or "", loaded[0]).size_mm,
-        picture=FlightPictures(flight, results, run, max_pixels) if images else None,
+    wanted = WantedExport(
+        form=form,
+        pad_id=choices.pad_id,
+        images=images,
         start_unix_s=choices.start_unix_s,
         mount=choices.mount,
         vehicle=vehicle,
     )
     found = FORMS[form]
     return StreamingResponse(
-        export(form, of_pad(results.every(flight), choices.pad_id), options),
+        from_flight.export_flight(flight, shared.flights.results, wanted, run, max_pixels),
         media_type=found.media_type,
         headers=attachment(flight.name, found.suffix),
     )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
+from typing import Any
 
 from padstudio.errors import SpecError
-from padstudio.flights.exports.options import Record
+
+Record = dict[str, Any]
 
 #: Forms that say of each pose which pad it is of.
 ANY_PADS = ("csv", "jsonl")

@@ -1,25 +1,21 @@
-"""What an export needs beside records: the camera in the frames' size, and the pictures."""
+"""The pictures of records, of a server's flight and of files, and how large they are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import cv2
 
 from padstudio.arrays import Image
 from padstudio.errors import StudioError
-from padstudio.flights.exports.options import Record
 from padstudio.flights.results.frames import Results
 from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import numbers_of, still_part, video_part
-from padstudio.geometry.camera import Camera
-from padstudio.media import images
 from padstudio.media.video_frames import read_frames
-from padstudio.media.video_index import read_index
 from padstudio.store.database.flight_tables import FlightRow
 
+Record = dict[str, Any]
 #: Calls a function in a worker process and waits for it.
 Run = Callable[..., Any]
 
@@ -29,30 +25,31 @@ _BLOCK_FRAMES = 48
 _JPEG_QUALITY = 90
 
 
-def frame_camera(flight: FlightRow, run: Run, max_pixels: int) -> Camera:
-    """The camera in the size of a flight's frames; of stills, in that of the first.
+def flight_frame_px(
+    flight: FlightRow, run: Run, max_pixels: int
+) -> Callable[[Record], tuple[int, int] | None]:
+    """What gives the size of a flight's frames whose records do not say it.
 
     Parameters
     ----------
     flight : FlightRow
-        With its camera.
     run : callable
     max_pixels : int
     """
-    camera = Camera.loads(flight.camera)
-    if not flight.sources:
-        return camera
-    first = flight.sources[0]
-    try:
-        if "video" in first:
-            width, height = first["video"]["width"], first["video"]["height"]
-            turned = first["rotation_deg"] in (90, 270)
-            return camera.for_frame(*((height, width) if turned else (width, height)))
-        part = still_part(flight.sources, first["first_frame"])
-        return camera.for_frame(*run(still_size, part, max_pixels))
-    except StudioError:
-        # No such frame has a pose then, so nothing is placed in a picture of the wrong size.
-        return camera
+
+    def size_of(record: Record) -> tuple[int, int] | None:
+        number = int(record["frame"])
+        for source in flight.sources or ():
+            if 0 <= number - source["first_frame"] < source["frames"] and "video" in source:
+                width, height = source["video"]["width"], source["video"]["height"]
+                return (height, width) if source["rotation_deg"] in (90, 270) else (width, height)
+        try:
+            found: tuple[int, int] = run(still_size, still_part(flight.sources, number), max_pixels)
+        except StudioError:
+            return None
+        return found
+
+    return size_of
 
 
 class FlightPictures:
@@ -121,36 +118,3 @@ def jpegs(part: StillPart | VideoPart, max_pixels: int) -> list[bytes | None]:
 def to_jpeg(bgr: Image) -> bytes:
     """A picture as a JPEG file."""
     return bytes(cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])[1])
-
-
-class FilePictures:
-    """Frames as JPEG files, for records of a poses file in its order.
-
-    Parameters
-    ----------
-    folder : Path
-        To which sources are relative.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._video: tuple[str, Iterator[tuple[int, bytes | None]]] | None = None
-
-    def __call__(self, record: Record) -> bytes | None:
-        source, frame = record["source"], record["frame"]
-        try:
-            if record.get("time_s") is None:
-                return to_jpeg(images.read(self._folder / source))
-            if self._video is None or self._video[0] != source:
-                self._video = source, _frames(self._folder / source)
-            # Videos are decoded once, forward; frames that were left out are passed over.
-            found = (data for number, data in self._video[1] if number >= frame)
-            return next(found, None)
-        except StudioError:
-            return None
-
-
-def _frames(path: Path) -> Iterator[tuple[int, bytes | None]]:
-    index = read_index(str(path))
-    for number, picture in enumerate(read_frames(str(path), index.pts.tolist())):
-        yield number, None if picture.bgr is None else to_jpeg(picture.bgr)

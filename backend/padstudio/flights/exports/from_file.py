@@ -1,0 +1,77 @@
+"""The export of a poses file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from padstudio.flights.exports.forms import TIMED, export
+from padstudio.flights.exports.frames.files import SourceFiles
+from padstudio.flights.exports.frames.pads import check_pad, of_pad
+from padstudio.flights.exports.frames.records import Survey, relative_names
+from padstudio.flights.exports.options import ExportChoices, ExportOptions
+from padstudio.flights.results.poses_file import read_poses
+from padstudio.geometry.camera import Camera
+from padstudio.pad.spec import Pad
+
+
+@dataclass(frozen=True, kw_only=True)
+class PosesFile:
+    """A poses file, and what it does not say.
+
+    Attributes
+    ----------
+    path : Path
+    folder : Path
+        To which its sources are relative.
+    camera : Camera or None
+    pad : Pad or None
+    frame_px : (width, height) or None
+        Of frames whose size it does not say; None looks at the sources.
+    """
+
+    path: Path
+    folder: Path = Path()
+    camera: Camera | None = None
+    pad: Pad | None = None
+    frame_px: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class FileExport:
+    """The export of a poses file, once its blocks are asked for."""
+
+    blocks: Iterator[bytes]
+    survey: Survey
+    files: SourceFiles
+
+
+def export_file(poses: PosesFile, choices: ExportChoices) -> FileExport:
+    """Write a poses file in a form; as `padstudio.flights.exports.forms.export`.
+
+    Raises
+    ------
+    PosesFormatError
+        If a line of the file is no record: it is read once in advance.
+    SpecError
+        If its poses are of several pads, or its frames have no one clock, as the form asks for.
+    """
+    survey = Survey.of(read_poses(poses.path), choices.pad_id)
+    check_pad(choices.form, survey.pads, choices.pad_id)
+    if choices.form in TIMED:
+        survey.check_clock(choices.form, is_matched=choices.vehicle is not None)
+    files = SourceFiles(poses.folder, survey.sources)
+    size = poses.frame_px
+    options = ExportOptions(
+        camera=poses.camera,
+        frame_px=files.frame_px if size is None else lambda record: size,
+        names=relative_names(survey.sources),
+        pad_size_mm=None if poses.pad is None else poses.pad.size_mm,
+        picture=files.picture if choices.images else None,
+        start_unix_s=choices.start_unix_s,
+        mount=choices.mount,
+        vehicle=choices.vehicle,
+    )
+    records = of_pad(read_poses(poses.path), choices.pad_id)
+    return FileExport(export(choices.form, records, options), survey, files)
