@@ -49,6 +49,7 @@ ORDER = (
     "vision",
     "vision/overlays",
     "media",
+    "media/recordings",
     "calibration",
     "store/migrations/versions",
     "store/migrations",
@@ -97,7 +98,9 @@ CONFINED = {
     "fsspec": ("media/",),
     "httpx": ("web/server/callbacks/", "cli/remote/"),
     "jinja2": ("web/",),
-    "mcap": ("flights/exports/",),
+    "google": ("media/recordings/",),
+    "lz4": ("media/recordings/",),
+    "mcap": ("flights/exports/", "media/recordings/"),
     "llvmlite": ("machine_code.py",),
     "numba": ("compiled.py", "machine_code.py"),
     "pydantic": ("web/",),
@@ -105,11 +108,14 @@ CONFINED = {
     "pymavlink": ("flights/exports/",),
     "reportlab": ("render/pdf/",),
     "rich": ("cli/",),
+    "rosbags": ("flights/exports/", "media/recordings/"),
+    "sqlite3": ("media/recordings/",),
     "sqlalchemy": ("store/", "flights/"),
     "sse_starlette": ("web/",),
     "starlette": ("web/",),
     "typer": ("cli/",),
     "uvicorn": ("web/",),
+    "zstandard": ("media/recordings/",),
 }
 
 MODULES = sorted(PACKAGE.rglob("*.py"))

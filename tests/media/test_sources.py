@@ -1,7 +1,7 @@
 import pytest
 
 from padstudio.errors import NotFoundError
-from padstudio.media.sources import find_frames, is_video
+from padstudio.media.sources import find_frames, kind_of
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def test_a_file_that_looks_like_a_pattern(tmp_path):
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("source", ["gone.jpg", "gone/*.jpg", "*.txt", "folder.jpg", ""])
 def test_a_source_without_pictures_is_named(source):
-    with pytest.raises(NotFoundError, match=r"no picture or video there") as caught:
+    with pytest.raises(NotFoundError, match=r"no picture, video or recording there") as caught:
         find_frames(["f1.png", source])
     assert caught.value.message.startswith(f"{source}: ")
 
@@ -68,6 +68,6 @@ def test_videos_are_known_by_content_else_by_name(tmp_path):
     (tmp_path / "f2.JPG").write_bytes(b"\xff\xd8\xff")
     (tmp_path / "photo.mp4").write_bytes(b"\xff\xd8\xff")
     (tmp_path / "text.mov").write_text("no video")
-    found = {path.name for path in tmp_path.iterdir() if is_video(path)}
+    found = {path.name for path in tmp_path.iterdir() if kind_of(path) == "video"}
     assert found == {"notes.txt", "clip.MP4", "text.mov"}
-    assert not is_video(tmp_path / "gone.jpg")
+    assert kind_of(tmp_path / "gone.jpg") == "still"

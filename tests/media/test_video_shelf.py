@@ -16,7 +16,9 @@ PIXELS = 1_000_000
 
 
 def _laid(shelf: FrameShelf, video: Path, pts: Sequence[int]) -> list[int]:
-    return list(shelve(shelf, str(video), pts, is_counted=False, max_pixels=PIXELS))
+    return list(
+        shelve(shelf, pts, lambda keep: read_frames(str(video), pts, max_pixels=PIXELS, keep=keep))
+    )
 
 
 @pytest.mark.parametrize("rotation", [0, 90])

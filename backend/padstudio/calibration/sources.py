@@ -14,12 +14,15 @@ from typing import overload
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.arrays import Image
 from padstudio.calibration.calibrate import MOST_PICTURES, check_count
 from padstudio.errors import CalibrationError, LimitError, StudioError
 from padstudio.media import content, images, zip_stills
-from padstudio.media.video_frames import read_frames
+from padstudio.media.recordings import frames as recordings
+from padstudio.media.recordings import index as recordings_index
+from padstudio.media.video_frames import VideoPicture, read_frames
 from padstudio.media.video_index import read_index
 
 #: Of a clip so many frames are taken.
@@ -140,8 +143,8 @@ def _check_size(picture: NamedPicture, first: NamedPicture, count: int) -> None:
 def _pictures_of(name: str, path: Path, max_pixels: int) -> Iterator[NamedPicture]:
     with _said_of(name), path.open("rb") as file:
         kind = content.identify(file.read(content.HEAD_BYTES)).kind
-    if kind == "video":
-        yield from _sharpest_frames(name, path, max_pixels)
+    if kind in ("video", "recording"):
+        yield from _sharpest_frames(name, path, max_pixels, kind)
     elif kind == "stills":
         with _said_of(name):
             stills = zip_stills.list_stills(path)
@@ -173,18 +176,12 @@ def _said_of(name: str) -> Iterator[None]:
         raise type(error)(message, code=error.error_code, detail=error.detail) from error
 
 
-def _sharpest_frames(name: str, path: Path, max_pixels: int) -> Iterator[NamedPicture]:
+def _sharpest_frames(
+    name: str, path: Path, max_pixels: int, kind: content.Kind
+) -> Iterator[NamedPicture]:
     """The sharpest of each few frames, evenly spread over a clip."""
     with _said_of(name):
-        index = read_index(path.as_posix(), max_pixels=max_pixels)
-        count = min(len(index.pts), CLIP_PICTURES * _CANDIDATES)
-        numbers = np.unique(np.linspace(0, len(index.pts) - 1, count).round().astype(int))
-        shown = read_frames(
-            path.as_posix(),
-            index.pts[numbers].tolist(),
-            is_counted=index.is_counted,
-            max_pixels=max_pixels,
-        )
+        numbers, shown = _spread_frames(path.as_posix(), max_pixels, kind)
         best: tuple[float, int, Image] | None = None
         per_picture = -(-len(numbers) // CLIP_PICTURES)
         for place, (number, picture) in enumerate(zip(numbers, shown, strict=False)):
@@ -215,3 +212,23 @@ def _sharpness(image: Image) -> float:
     """Variance of the Laplacian at half the scale, where noise counts less."""
     grey = cv2.cvtColor(cv2.pyrDown(image), cv2.COLOR_BGR2GRAY)
     return float(cv2.Laplacian(grey, cv2.CV_32F).var())
+
+
+def _spread_frames(
+    source: str, max_pixels: int, kind: content.Kind
+) -> tuple[NDArray[np.int64], Iterator[VideoPicture]]:
+    """Numbers of evenly spread frames of a video or a recording, and these frames."""
+    if kind == "recording":
+        found = recordings_index.read_index(source, max_pixels=max_pixels)
+        numbers = _spread(len(found.video.pts))
+        pts = found.video.pts[numbers].tolist()
+        return numbers, recordings.read_frames(source, pts, found.times, max_pixels=max_pixels)
+    index = read_index(source, max_pixels=max_pixels)
+    numbers = _spread(len(index.pts))
+    pts = index.pts[numbers].tolist()
+    return numbers, read_frames(source, pts, is_counted=index.is_counted, max_pixels=max_pixels)
+
+
+def _spread(frames: int) -> NDArray[np.int64]:
+    count = min(frames, CLIP_PICTURES * _CANDIDATES)
+    return np.unique(np.linspace(0, frames - 1, count).round().astype(np.int64))

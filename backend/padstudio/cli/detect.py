@@ -31,8 +31,9 @@ from padstudio.flights.tasks.detectors import (
     params_from,
     params_of_words,
 )
+from padstudio.geometry.camera import Camera
 from padstudio.geometry.presets import load_camera
-from padstudio.media.sources import find_frames
+from padstudio.media.sources import find_frames, kind_of
 from padstudio.pad.spec import Pad
 
 # Below this many frames a process, starting it costs more than it saves.
@@ -47,13 +48,20 @@ _EXAMPLES = (
 
 
 Frames = Annotated[
-    list[str], typer.Argument(help="Pictures, videos, folders, or patterns such as **/*.jpg.")
+    list[str],
+    typer.Argument(help="Pictures, videos, ROS bags, MCAP, folders, or patterns such as **/*.jpg."),
 ]
 PadFiles = Annotated[
     list[Path], typer.Option("--pad", help="Pad file; again for more pads that stills may show.")
 ]
 CameraName = Annotated[
-    str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
+    str | None,
+    typer.Option(
+        help="Camera file, or a preset's id (see: padstudio cameras); recordings may bring theirs."
+    ),
+]
+Topic = Annotated[
+    str | None, typer.Option(help="Of recordings: the topic with the pictures, if several have.")
 ]
 Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
 MethodName = Annotated[
@@ -99,8 +107,9 @@ def register(app: typer.Typer) -> None:
 def detect(
     frames: Frames,
     pad: PadFiles,
-    camera: CameraName,
+    camera: CameraName = None,
     output: Output = "-",
+    topic: Topic = None,
     method: MethodName = "dense",
     unmix: Unmix = True,
     at_rest: AtRest = False,
@@ -133,10 +142,11 @@ def detect(
     if at_rest:
         settings.setdefault("refine", {})["at_rest"] = True
     params_from(settings)
-    recipe = _recipe(pad, camera, method, settings)
     fusion = _fusion(fuse, smooth)
     paths = find_frames(frames)
-    pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation)
+    the_camera = _recorded_camera(paths, topic) if camera is None else load_camera(camera)
+    recipe = _recipe(pad, the_camera, method, settings)
+    pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation, topic=topic)
     with _writer(output, resume=resume, force=force) as (file, earlier):
         _check_same_run(earlier, pieces)
         total = sum(len(piece.numbers) for piece in pieces)
@@ -155,10 +165,23 @@ def detect(
         raise typer.Exit(EXIT_NOTHING_FOUND)
 
 
+def _recorded_camera(paths: list[Path], topic: str | None) -> Camera:
+    """The calibration that recordings bring along."""
+    from padstudio.media.recordings.topics import camera_of, look
+
+    if any(kind_of(path) != "recording" for path in paths):
+        raise typer.BadParameter("--camera is missing; only recordings may bring a calibration")
+    camera = Camera.loads(camera_of([look(str(path), topic) for path in paths]))
+    note(f"camera {camera.name}: the calibration in the recording")
+    return camera
+
+
 def _recipe(
-    pads: list[Path], camera: str, method: Literal["dense", "paper"], params: dict[str, Any]
+    pads: list[Path],
+    the_camera: Camera,
+    method: Literal["dense", "paper"],
+    params: dict[str, Any],
 ) -> Recipe:
-    the_camera = load_camera(camera)
     if the_camera.nominal:
         note(f"camera {the_camera.name}: nominal, calibrate for accuracy")
     first, *others = (Pad.load(pad).dumps() for pad in pads)

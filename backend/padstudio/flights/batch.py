@@ -24,8 +24,8 @@ from padstudio.flights.tasks.frames import (
     with_covariance,
 )
 from padstudio.flights.tasks.planning import Plan, PlanTask, SourceFile
-from padstudio.media import images, video_index
-from padstudio.media.sources import is_video
+from padstudio.media import content, images, video_index
+from padstudio.media.sources import kind_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -86,14 +86,14 @@ class Piece:
     task: Still | FramesTask | Unread
 
     @property
-    def times_s(self) -> list[float | None]:
-        """Times of the frames, counted on from video to video; None of stills."""
+    def about(self) -> list[Record]:
+        """What records of its frames say of where they are from, beside their numbers."""
         if isinstance(self.task, Unread):
-            return [self.task.start_s]
+            return [{"source": self.source, "time_s": self.task.start_s}]
         part = self.task.part if isinstance(self.task, FramesTask) else None
         if not isinstance(part, VideoPart):
-            return [None] * len(self.numbers)
-        return [part.time_of(pts) for pts in part.timestamps]
+            return [{"source": self.source, "time_s": None} for _ in self.numbers]
+        return [part.about(pts) for pts in part.timestamps]
 
     @property
     def timeout_s(self) -> float:
@@ -102,12 +102,17 @@ class Piece:
 
 
 def plan(
-    paths: Iterable[Path], recipe: Recipe, *, stride: int = 1, apply_rotation: bool = True
+    paths: Iterable[Path],
+    recipe: Recipe,
+    *,
+    stride: int = 1,
+    apply_rotation: bool = True,
+    topic: str | None = None,
 ) -> list[Piece]:
-    """Part stills and videos into pieces, as a flight of them is; nothing is decoded yet.
+    """Part stills, videos and recordings into pieces, as a flight of them is.
 
-    Frames are numbered on from file to file, and each video begins where the one before ends. A
-    file that cannot be read counts as one frame of no duration.
+    Nothing is decoded yet. Frames are numbered on from file to file, and each video begins where
+    the one before ends. A file that cannot be read counts as one frame of no duration.
 
     Parameters
     ----------
@@ -117,11 +122,12 @@ def plan(
         Read every n-th frame of videos.
     apply_rotation : bool
         Turn videos as their rotation flag says.
+    topic : str or None
+        Of recordings, the one that frames are taken from; None where only one has pictures.
     """
     task = PlanTask(
         files=tuple(
-            SourceFile("", "video" if is_video(path) else "still", path.as_posix(), str(path))
-            for path in paths
+            SourceFile("", _kind_of(path), path.as_posix(), str(path)) for path in paths
         ),
         camera=recipe.camera,
         first_frame=0,
@@ -132,6 +138,7 @@ def plan(
         max_pixels=images.MAX_PIXELS,
         max_frames=video_index.MAX_FRAMES,
         keep_going=True,
+        topic=topic,
     )
     found = task.run(_never)
     videos = _video_pieces(found, recipe, stride)
@@ -147,6 +154,12 @@ def plan(
         else:
             pieces += videos.get(place, [])
     return pieces
+
+
+def _kind_of(path: Path) -> content.Kind:
+    """What a source is read as: all that is no video or recording may be a still."""
+    kind = kind_of(path)
+    return kind if kind in ("video", "recording") else "still"
 
 
 def _video_pieces(found: Plan, recipe: Recipe, stride: int) -> dict[int, list[Piece]]:
@@ -263,8 +276,8 @@ def _result(piece: Piece, run: Callable[[], list[Record]]) -> list[Record]:
     except Exception as error:
         failed = defect_record(error)
     return [
-        {"source": piece.source, "frame": number, "time_s": time_s, **failed}
-        for number, time_s in zip(piece.numbers, piece.times_s, strict=True)
+        {**about, "frame": number, **failed}
+        for number, about in zip(piece.numbers, piece.about, strict=True)
     ]
 
 

@@ -260,7 +260,10 @@ class FlightService:
         part = from_rows.video_part(source, chunk.pts)
         place = from_rows.numbers_of(flight, chunk).index(number)
         lead_in = part.between(max(0, place - FRAMES_BEFORE), place + 1)
-        name = hashlib.sha256(source["upload"].encode()).hexdigest()[:32]
+        if not part.is_stream:
+            return PictureJob(recipe, lead_in, folder, pixels)
+        stream = source["upload"] + (part.recording.topic if part.recording else "")
+        name = hashlib.sha256(stream.encode()).hexdigest()[:32]
         shelf = shelf_job(self.shelves.root / name, part, place, pixels)
         return PictureJob(recipe, lead_in, folder, pixels, shelf)
 
@@ -295,17 +298,17 @@ def check_uploads(uploads: Sequence[Upload]) -> None:
         If there are none to read frames from, videos among stills, or telemetry without a video.
     """
     kinds = [upload.kind for upload in uploads]
-    videos = kinds.count("video")
+    videos = kinds.count("video") + kinds.count("recording")
     stills = kinds.count("still") + kinds.count("stills")
     if not videos and not stills:
         raise SpecError(
-            "a flight is made of at least one video, still or zip of stills; telemetry alone has "
-            "no frames",
+            "a flight is made of at least one video, recording, still or zip of stills; telemetry "
+            "alone has no frames",
             code="mixed_uploads",
         )
     if videos and stills:
         raise SpecError(
-            "videos and stills do not go into one flight; make a flight of each",
+            "videos or recordings and stills do not go into one flight; make a flight of each",
             code="mixed_uploads",
         )
     if kinds.count("telemetry") > min(1, videos):

@@ -8,14 +8,14 @@ from typing import Literal
 
 from padstudio.errors import StudioError
 
-Kind = Literal["video", "still", "stills", "telemetry"]
+Kind = Literal["video", "recording", "still", "stills", "telemetry"]
 
 #: Bytes that `identify` wants to see; a shorter file is enough as it is.
 HEAD_BYTES = 4096
 
 READABLE = (
-    "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS, M2TS), a still (JPEG, PNG, WebP, TIFF, "
-    "BMP), a zip of stills or an SRT telemetry file"
+    "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS, M2TS), a recording (ROS bag, MCAP), a still "
+    "(JPEG, PNG, WebP, TIFF, BMP), a zip of stills or of a ROS 2 bag, or an SRT telemetry file"
 )
 
 
@@ -32,8 +32,8 @@ class Content:
 
     Attributes
     ----------
-    kind : {"video", "still", "stills", "telemetry"}
-        ``stills`` is a zip.
+    kind : {"video", "recording", "still", "stills", "telemetry"}
+        ``recording`` is of a robot, ``stills`` is a zip.
     media_type : str
     suffix : str
         The usual ending of such files, with its dot.
@@ -58,6 +58,12 @@ TIFF = Content("still", "image/tiff", ".tif")
 BMP = Content("still", "image/bmp", ".bmp")
 ZIP = Content("stills", "application/zip", ".zip")
 SRT = Content("telemetry", "application/x-subrip", ".srt")
+MCAP = Content("recording", "application/x-mcap", ".mcap")
+BAG = Content("recording", "application/x-rosbag", ".bag")
+DB3 = Content("recording", "application/vnd.sqlite3", ".db3")
+ZSTD = Content("recording", "application/zstd", ".zstd")
+#: A zip of a ROS 2 bag's folder, or of another recording; `identify` takes all zips for stills.
+BAG_ZIP = Content("recording", "application/zip", ".zip")
 
 _STARTS = {
     b"\xff\xd8\xff": JPEG,
@@ -65,6 +71,10 @@ _STARTS = {
     b"II*\0": TIFF,
     b"MM\0*": TIFF,
     b"PK\x03\x04": ZIP,
+    b"\x89MCAP0\r\n": MCAP,
+    b"#ROSBAG V2.0\n": BAG,
+    b"SQLite format 3\0": DB3,
+    b"\x28\xb5\x2f\xfd": ZSTD,
 }
 _RIFF = {b"AVI ": AVI, b"WEBP": WEBP}
 # ISO/IEC 14496-12 boxes that QuickTime files older than the file type box begin with.
@@ -137,6 +147,8 @@ def _by_signature(head: bytes) -> Content | None:
         starts = head[first : first + 4 * step + 1 : step]
         if len(starts) >= 3 and set(starts) == {0x47}:
             return content
+    if head.startswith(b"#ROSBAG V1"):
+        raise ContentError("a bag of version 1 cannot be read; bring it up to date with rosbag fix")
     if head[:4] == b"PK\x05\x06":
         raise ContentError("the zip is empty; put the stills into it", code="empty_zip")
     return None

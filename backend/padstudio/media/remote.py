@@ -91,6 +91,17 @@ def local_path(source: str) -> Path | None:
     return Path(unquote(urlsplit(source).path)) if scheme == "file" else None
 
 
+def at_hand(source: str) -> Path:
+    """A file that is read here and there: the path that a source names, or that of a copy of it."""
+    path = local_path(source)
+    if path is not None:
+        return path
+    import fsspec
+
+    # One copy a machine, kept while the process lives.
+    return Path(fsspec.open_local(f"simplecache::{source}"))
+
+
 class Storage:
     """Brings files where the workers reach them.
 

@@ -1,4 +1,4 @@
-"""Finds the pictures and videos that paths, folders and patterns stand for."""
+"""Finds the pictures, videos and recordings that paths, folders and patterns stand for."""
 
 from __future__ import annotations
 
@@ -17,25 +17,30 @@ VIDEO_SUFFIXES = frozenset(
     {".avi", ".m2ts", ".m4v", ".mkv", ".mov", ".mp4", ".mts", ".ts", ".webm"}
 )
 
+RECORDING_SUFFIXES = frozenset({".bag", ".db3", ".mcap"})
+#: The file that makes a folder a ROS 2 bag.
+BAG_METADATA = "metadata.yaml"
+
 
 def find_frames(sources: Iterable[str]) -> list[Path]:
-    """Pictures and videos from paths, folders and glob patterns, in that order, each once.
+    """Pictures, videos and recordings from paths, folders and glob patterns, each once.
 
-    A folder stands for the pictures and videos right in it; a pattern may hold ``**``. Those of one
-    folder or pattern are sorted by name, with numbers by value. A file named outright is taken
-    whatever its ending.
+    A folder stands for those right in it, but a ROS 2 bag's folder for the bag; a pattern may hold
+    ``**``. Those of one folder or pattern are sorted by name, with numbers by value. A file named
+    outright is taken whatever its ending.
 
     Raises
     ------
     NotFoundError
-        If a source does not exist or holds neither.
+        If a source does not exist or holds none.
     """
     found: dict[Path, None] = {}
     for source in sources:
         some = _expand(source)
         if not some:
             raise NotFoundError(
-                f"{source}: no picture or video there; give existing files, folders or patterns",
+                f"{source}: no picture, video or recording there; give existing files, folders or "
+                "patterns",
                 code="no_such_file",
             )
         found |= dict.fromkeys(sorted(some, key=lambda path: by_number(str(path))))
@@ -47,6 +52,8 @@ def _expand(source: str) -> list[Path]:
     # An empty text is no name, though it would make the path of the current folder.
     if not source:
         return []
+    if is_bag(path):
+        return [path]
     if path.is_dir():
         return [p for p in path.iterdir() if _is_wanted(p)]
     # A name that exists is that file, even if it looks like a pattern.
@@ -56,16 +63,27 @@ def _expand(source: str) -> list[Path]:
 
 
 def _is_wanted(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES | VIDEO_SUFFIXES and path.is_file()
+    known = SUFFIXES | VIDEO_SUFFIXES | RECORDING_SUFFIXES
+    return is_bag(path) or (path.suffix.lower() in known and path.is_file())
 
 
-def is_video(path: Path) -> bool:
-    """True for a video by its content, or, where the content is nothing known, by its name."""
+def is_bag(path: Path) -> bool:
+    """True for a ROS 2 bag's folder."""
+    return path.is_dir() and (path / BAG_METADATA).is_file()
+
+
+def kind_of(path: Path) -> content.Kind:
+    """What a source is: by its content, or, where that is nothing known, by its name."""
+    if is_bag(path):
+        return "recording"
     try:
         with path.open("rb") as file:
-            return content.identify(file.read(content.HEAD_BYTES)).kind == "video"
+            return content.identify(file.read(content.HEAD_BYTES)).kind
     except (ContentError, OSError):
-        return path.suffix.lower() in VIDEO_SUFFIXES
+        suffix = path.suffix.lower()
+        if suffix in RECORDING_SUFFIXES:
+            return "recording"
+        return "video" if suffix in VIDEO_SUFFIXES else "still"
 
 
 def by_number(name: str) -> list[tuple[int, int, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,8 @@ _STEP_BACK_S = 10.0
 # FFmpeg's numbers: BT.709; unspecified, BT.470BG and SMPTE 170M are read as BT.601.
 _STANDARDS: dict[int, Standard] = {1: "bt709", 2: "bt601", 5: "bt601", 6: "bt601"}
 _PLANAR = ("yuv420p", "yuvj420p")
+#: Takes a decoded frame, or None for one that was lost: timestamp, frame, whether it is damaged.
+Keep: TypeAlias = "Callable[[int, VideoFrame | None, bool], None]"
 _FULL_RANGE = 2
 
 
@@ -58,7 +60,7 @@ def read_frames(
     rotation_deg: int = 0,
     is_counted: bool = False,
     max_pixels: int = MAX_PIXELS,
-    keep: Callable[[int, VideoFrame | None, bool], None] | None = None,
+    keep: Keep | None = None,
 ) -> Generator[VideoPicture]:
     """Decode frames of a video by their timestamps.
 

@@ -164,7 +164,7 @@ def _describe(
     declared = stream.frames if "mp4" in container.format.name else 0
     if declared > len(pts):
         damage = [*damage, f"{declared - len(pts)} of {declared} frames are missing"]
-    damage = [*damage, *_gaps(intervals, usual)]
+    damage = [*damage, *gaps(intervals, usual)]
     declared_s = _declared_s(container, stream, float(pts[0] * time_base) + duration_s)
     missing_s = declared_s - duration_s
     if missing_s > max(_SECONDS_TOLERANCE, _RATE_TOLERANCE * declared_s):
@@ -181,12 +181,12 @@ def _describe(
         frames_declared=declared,
         duration_s=duration_s,
         fps=len(pts) / duration_s if duration_s > 0 else 0.0,
-        variable_rate=_varies(intervals, usual),
+        variable_rate=varies(intervals, usual),
         damage=tuple(damage),
     )
 
 
-def _gaps(intervals: NDArray[np.int64], usual: float) -> list[str]:
+def gaps(intervals: NDArray[np.int64], usual: float) -> list[str]:
     """Frames that a steady camera must have recorded, and that are not there."""
     steady = np.abs(intervals - usual) <= max(1.0, _RATE_TOLERANCE * usual)
     gaps = np.flatnonzero(intervals > 1.5 * usual)
@@ -298,7 +298,8 @@ class _Packets:
         return pts, np.union1d(keyframes, [0])
 
 
-def _varies(intervals: NDArray[np.int64], usual: float) -> bool:
+def varies(intervals: NDArray[np.int64], usual: float) -> bool:
+    """True where intervals (N,) differ from their usual length."""
     if not len(intervals) or usual <= 0:
         return False
     # Coarse time bases round intervals to one unit.

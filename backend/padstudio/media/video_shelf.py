@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
-from padstudio.media.video_frames import VideoPicture, read_frames, to_frame
+from padstudio.media.video_frames import Keep, VideoPicture, to_frame
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -101,15 +101,17 @@ class FrameShelf:
 
 
 def shelve(
-    shelf: FrameShelf, source: str, pts: Sequence[int], *, is_counted: bool, max_pixels: int
+    shelf: FrameShelf, pts: Sequence[int], read: Callable[[Keep], Generator[VideoPicture]]
 ) -> Generator[int]:
     """Decode frames and lay those on a shelf that it lacks.
 
     Parameters
     ----------
     shelf : FrameShelf
-    source, pts, is_counted, max_pixels
-        As of `padstudio.media.video_frames.read_frames`, which also says what it raises.
+    pts : sequence of int
+    read : callable
+        Reads these frames as `padstudio.media.video_frames.read_frames`, which also says what it
+        raises; given what takes each.
 
     Yields
     ------
@@ -122,8 +124,7 @@ def shelve(
         if value in lacking:
             shelf.add(value, frame, is_damaged)
 
-    reader = read_frames(source, pts, is_counted=is_counted, max_pixels=max_pixels, keep=keep)
-    with contextlib.closing(reader) as pictures:
+    with contextlib.closing(read(keep)) as pictures:
         for picture in pictures:
             yield picture.pts
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from padstudio.errors import ImageError, LimitError
 from padstudio.media.content import ContentError
-from padstudio.media.remote import local_path
+from padstudio.media.remote import at_hand
 from padstudio.media.sources import SUFFIXES, by_number
 
 _UNREADABLE = (
@@ -73,20 +73,11 @@ def list_stills(path: Path, limits: ZipLimits | None = None) -> list[str]:
         If it is beyond a limit; nothing has been unpacked then.
     """
     limits = limits or ZipLimits()
-    _check_directory(path, limits)
-    try:
-        with zipfile.ZipFile(path) as archive:
-            entries = archive.infolist()
-    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
-        raise ContentError(
-            f"the zip is damaged ({error}); pack it again", code="damaged_zip"
-        ) from error
-    _check_size(entries, path.stat().st_size, limits)
-    stills = [entry for entry in entries if _is_still(entry)]
+    stills = [entry for entry in entries_of(path, limits) if _is_still(entry)]
     if not stills:
         raise ContentError("the zip holds no picture; put stills into it", code="empty_zip")
     for entry in stills:
-        _check_entry(entry, limits)
+        check_entry(entry, limits, limits.still_bytes)
     names = {entry.filename for entry in stills}
     if len(names) < len(stills):
         raise ContentError("two pictures in the zip have one name; rename one", code="damaged_zip")
@@ -107,13 +98,27 @@ def read_still(path: Path, name: str, limits: ZipLimits | None = None) -> bytes:
     try:
         with zipfile.ZipFile(path) as archive:
             entry = archive.getinfo(name)
-            _check_entry(entry, limits)
+            check_entry(entry, limits, limits.still_bytes)
             # Reads no more than the size that was checked, whatever the stream holds.
             return archive.read(entry)
     except _UNREADABLE as error:
         raise ImageError(
             f"{name} cannot be read from the zip ({error}); pack it again", code="damaged_zip"
         ) from error
+
+
+def entries_of(path: Path, limits: ZipLimits) -> list[zipfile.ZipInfo]:
+    """All that is in a zip, which is within the limits as a whole; raises as `list_stills`."""
+    _check_directory(path, limits)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = archive.infolist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
+        raise ContentError(
+            f"the zip is damaged ({error}); pack it again", code="damaged_zip"
+        ) from error
+    _check_size(entries, path.stat().st_size, limits)
+    return entries
 
 
 def _check_directory(path: Path, limits: ZipLimits) -> None:
@@ -168,13 +173,14 @@ def _check_size(entries: list[zipfile.ZipInfo], packed_bytes: int, limits: ZipLi
         raise _bomb(unpacked / packed_bytes, limits)
 
 
-def _check_entry(entry: zipfile.ZipInfo, limits: ZipLimits) -> None:
+def check_entry(entry: zipfile.ZipInfo, limits: ZipLimits, most_bytes: int) -> None:
+    """Refuse an entry that is encrypted, too large or a bomb; raises as `list_stills`."""
     if entry.flag_bits & 1:
         raise ContentError("the zip is encrypted; pack it without a password", code="encrypted_zip")
-    if entry.file_size > limits.still_bytes:
+    if entry.file_size > most_bytes:
         raise LimitError(
-            f"{entry.filename} unpacks to {entry.file_size / 1e6:.0f} MB; the limit for a still is "
-            f"{limits.still_bytes / 1e6:g} MB",
+            f"{entry.filename} unpacks to {entry.file_size / 1e6:.0f} MB; the limit for one file "
+            f"of its kind is {most_bytes / 1e6:g} MB",
             code="zip_too_large",
         )
     if entry.file_size > limits.ratio * max(entry.compress_size, 1):
@@ -190,27 +196,21 @@ def _bomb(ratio: float, limits: ZipLimits) -> LimitError:
 
 
 def _is_still(entry: zipfile.ZipInfo) -> bool:
+    return Path(entry.filename).suffix.lower() in SUFFIXES and not is_hidden(entry)
+
+
+def is_hidden(entry: zipfile.ZipInfo) -> bool:
+    """True of what people do not see as a file: folders, links, a system's own files."""
     path = Path(entry.filename)
     hidden = path.name.startswith(".") or "__MACOSX" in path.parts
-    link = stat.S_ISLNK(entry.external_attr >> 16)
-    return path.suffix.lower() in SUFFIXES and not (entry.is_dir() or hidden or link)
+    return entry.is_dir() or hidden or stat.S_ISLNK(entry.external_attr >> 16)
 
 
 def list_members(url: str) -> list[str]:
     """As `list_stills`, of a zip that lies wherever fsspec reaches."""
-    return list_stills(_at_hand(url))
+    return list_stills(at_hand(url))
 
 
 def read_member(url: str, name: str) -> bytes:
     """As `read_still`, of a zip that lies wherever fsspec reaches."""
-    return read_still(_at_hand(url), name)
-
-
-def _at_hand(url: str) -> Path:
-    path = local_path(url)
-    if path is not None:
-        return path
-    import fsspec
-
-    # One copy a machine, kept while the process lives: stills are read one by one.
-    return Path(fsspec.open_local(f"simplecache::{url}"))
+    return read_still(at_hand(url), name)

@@ -19,7 +19,7 @@ from padstudio.flights.tasks.detectors import Recipe, params_from, params_of_wor
 from padstudio.flights.tasks.frames import FramesTask, VideoPart
 from padstudio.geometry.presets import load_camera
 from padstudio.media import images
-from padstudio.media.sources import is_video
+from padstudio.media.sources import kind_of
 from padstudio.pad.spec import Pad
 
 Source = Annotated[
@@ -72,7 +72,7 @@ def bundle(
     first, *others = (Pad.load(each).dumps() for each in pad)
     texts = json.dumps(params, sort_keys=True)
     recipe = Recipe(first, load_camera(camera).to_ros_yaml(), method, texts, tuple(others))
-    if is_video(source):
+    if kind_of(source) in ("video", "recording"):
         if frame is None:
             raise typer.BadParameter(f"{source.name} is a video: say which frame with --frame")
         pieces = batch.plan([source], recipe, stride=stride, apply_rotation=apply_rotation)

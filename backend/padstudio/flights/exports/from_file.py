@@ -61,7 +61,7 @@ def export_file(poses: PosesFile, choices: ExportChoices) -> FileExport:
     check_pad(choices.form, survey.pads, choices.pad_id)
     if choices.form in TIMED:
         survey.check_clock(choices.form, is_matched=choices.vehicle is not None)
-    files = SourceFiles(poses.folder, survey.sources)
+    files = SourceFiles(poses.folder, survey.sources, survey.topics)
     size = poses.frame_px
     options = ExportOptions(
         camera=poses.camera,

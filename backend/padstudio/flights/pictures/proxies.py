@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,6 +70,10 @@ def _look() -> None:
         raise TaskStoppedError
 
 
+def _topic_of(source: Mapping[str, Any]) -> list[str]:
+    return [source["recording"]["topic"]] if "recording" in source else []
+
+
 class ProxyStore(BoundedFolder):
     """The proxies of all flights; those of the same uploads share them. They survive a restart."""
 
@@ -77,7 +81,10 @@ class ProxyStore(BoundedFolder):
         """Where a flight's proxies lie; its uploads have been looked into."""
         stride = int(flight.request["stride"])
         phase = int(flight.request["first_frame"]) % stride
-        read = [(source["upload"], source.get("rotation_deg", 0)) for source in flight.sources]
+        read = [
+            (source["upload"], source.get("rotation_deg", 0), *_topic_of(source))
+            for source in flight.sources
+        ]
         name = hashlib.sha256(json.dumps([read, stride, phase]).encode()).hexdigest()[:32]
         return ProxyTarget(str(self.root / name), phase, stride)
 

@@ -83,13 +83,8 @@ def lay_ready(job: ShelfJob) -> None:
     TaskStoppedError
     """
     part = job.part
-    for _ in shelve(
-        FrameShelf(job.folder),
-        part.url,
-        part.timestamps,
-        is_counted=part.is_counted,
-        max_pixels=job.max_pixels,
-    ):
+    shelf = FrameShelf(job.folder)
+    for _ in shelve(shelf, part.timestamps, lambda keep: part.read(job.max_pixels, keep)):
         if checkpoint():
             raise TaskStoppedError
 

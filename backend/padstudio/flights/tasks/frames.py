@@ -22,8 +22,10 @@ from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.flights.tasks.proxies import ProxyTarget, ProxyWriter
 from padstudio.media import images
 from padstudio.media.read_ahead import ReadAhead
+from padstudio.media.recordings import frames as recordings
+from padstudio.media.recordings.index import TopicTimes
 from padstudio.media.remote import read_bytes
-from padstudio.media.video_frames import VideoPicture, read_frames
+from padstudio.media.video_frames import Keep, VideoPicture, read_frames
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Detection
 
@@ -57,6 +59,8 @@ class VideoPart:
         Turn the pictures clockwise: 0, 90, 180 or 270.
     is_counted : bool
         As of `padstudio.media.video_index.VideoIndex`.
+    recording : TopicTimes or None
+        Where they are a topic's of a recording: their timestamps are ns of Unix time.
     """
 
     url: str
@@ -67,6 +71,12 @@ class VideoPart:
     start_s: float
     rotation_deg: int = 0
     is_counted: bool = False
+    recording: TopicTimes | None = None
+
+    @property
+    def is_stream(self) -> bool:
+        """True where a frame rests on those before it, false where each lies by itself."""
+        return self.recording is None or self.recording.is_stream
 
     @property
     def timestamps(self) -> list[int]:
@@ -85,14 +95,26 @@ class VideoPart:
         """The last frames."""
         return replace(self, pts=self.pts[-count * BYTES_OF_TIMESTAMP :])
 
-    def read(self, max_pixels: int) -> Generator[VideoPicture]:
+    def about(self, pts: int) -> Record:
+        """What the record of a frame says of where it is from, beside its number."""
+        told: Record = {"source": self.name, "time_s": self.time_of(pts)}
+        if self.recording is not None:
+            told |= {"topic": self.recording.topic, "stamp_ns": pts}
+        return told
+
+    def read(self, max_pixels: int, keep: Keep | None = None) -> Generator[VideoPicture]:
         """As `padstudio.media.video_frames.read_frames`."""
+        if self.recording is not None:
+            return recordings.read_frames(
+                self.url, self.timestamps, self.recording, max_pixels=max_pixels, keep=keep
+            )
         return read_frames(
             self.url,
             self.timestamps,
             rotation_deg=self.rotation_deg,
             is_counted=self.is_counted,
             max_pixels=max_pixels,
+            keep=keep,
         )
 
 
@@ -186,7 +208,7 @@ class FramesTask:
             kept = proxies.beside(pictures, iter(self.numbers), part.time_of)
             for picture, found in _track(detector, kept):
                 record = found if isinstance(found, dict) else with_covariance(found, part.name)
-                record |= {"source": part.name, "time_s": part.time_of(picture.pts)}
+                record |= part.about(picture.pts)
                 if picture.is_damaged:
                     record["damaged"] = True
                 yield record

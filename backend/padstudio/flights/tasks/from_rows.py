@@ -15,6 +15,7 @@ from padstudio.flights.tasks.detectors import Recipe
 from padstudio.flights.tasks.frames import FramesTask, StillPart, VideoPart
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
 from padstudio.flights.tasks.proxies import ProxyTarget
+from padstudio.media.recordings.index import TopicTimes
 
 if TYPE_CHECKING:
     from padstudio.store.database.flight_tables import ChunkRow, FlightRow
@@ -73,6 +74,7 @@ def plan_task(
         max_pixels=limits.max_pixels,
         max_frames=limits.max_frames,
         only=only,
+        topic=request.get("topic"),
     )
 
 
@@ -108,7 +110,7 @@ def recipe_of(flight: FlightRow) -> Recipe:
 
 
 def video_part(source: Mapping[str, Any], pts: bytes) -> VideoPart:
-    """Frames of a flight's source that is a video."""
+    """Frames of a flight's source that is a video or a recording."""
     return VideoPart(
         url=source["url"],
         name=source["name"],
@@ -118,6 +120,7 @@ def video_part(source: Mapping[str, Any], pts: bytes) -> VideoPart:
         start_s=source["start_s"],
         rotation_deg=source["rotation_deg"],
         is_counted=source["is_counted"],
+        recording=TopicTimes(**source["recording"]) if "recording" in source else None,
     )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from padstudio.errors import CameraMismatchError, SpecError, StudioError
 from padstudio.geometry.camera import Camera
 from padstudio.media import telemetry
+from padstudio.media.recordings import index as recordings
 from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
 from padstudio.media.zip_stills import list_members
 
@@ -52,7 +53,8 @@ class Plan:
     ----------
     sources : list of dict
         JSON-serialisable: upload, kind, name, url, first_frame, frames, start_s; of videos also
-        start_pts, time_base_s, rotation_deg and `VideoInfo`; of zips the members.
+        start_pts, time_base_s, rotation_deg and `VideoInfo`; of recordings these and, as
+        ``recording``, `padstudio.media.recordings.index.TopicTimes`; of zips the members.
     chunks : list of ChunkPlan
     telemetry : dict or None
         As `padstudio.media.telemetry.to_dict`.
@@ -89,6 +91,8 @@ class PlanTask:
     keep_going : bool
         Files that cannot be read are told in the plan, and it may be empty; telemetry inside of
         videos is not looked for.
+    topic : str or None
+        Of recordings, whose frames are read; None where only one has pictures.
     """
 
     files: tuple[SourceFile, ...]
@@ -102,6 +106,7 @@ class PlanTask:
     max_frames: int
     only: bytes | None = None
     keep_going: bool = False
+    topic: str | None = None
 
     def run(self, stopped: Callable[[], bool]) -> Plan:
         """Read the index of every file.
@@ -131,7 +136,7 @@ class PlanTask:
                 entry, index = {"frames": 1}, None
             if index is not None:
                 indices[len(sources)] = index
-                if not self.keep_going:
+                if file.kind == "video" and not self.keep_going:
                     found = found or telemetry.read_embedded(file.url)
             sources.append(asdict(file) | {"first_frame": frame, "start_s": time_s} | entry)
             frame += entry["frames"]
@@ -153,9 +158,20 @@ class PlanTask:
         if file.kind == "stills":
             members = list_members(file.url)
             return {"frames": len(members), "members": members}, None
-        index = read_index(
-            file.url, max_pixels=self.max_pixels, max_frames=self.max_frames, pause=stopped
-        )
+        recording: dict[str, Any] = {}
+        if file.kind == "recording":
+            found = recordings.read_index(
+                file.url,
+                self.topic,
+                max_pixels=self.max_pixels,
+                max_frames=self.max_frames,
+                pause=stopped,
+            )
+            index, recording = found.video, {"recording": asdict(found.times)}
+        else:
+            index = read_index(
+                file.url, max_pixels=self.max_pixels, max_frames=self.max_frames, pause=stopped
+            )
         rotation = self._rotation(index.info)
         return {
             "frames": index.info.frames,
@@ -164,6 +180,7 @@ class PlanTask:
             "rotation_deg": rotation,
             "is_counted": index.is_counted,
             "video": asdict(index.info),
+            **recording,
         }, index
 
     def _rotation(self, info: VideoInfo) -> int:

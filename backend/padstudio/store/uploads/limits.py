@@ -9,6 +9,7 @@ from pathlib import Path
 from padstudio.errors import BusyError, LimitError, StorageError
 from padstudio.media import content, images, zip_stills
 from padstudio.media.content import Content
+from padstudio.media.recordings.folders import members_of
 from padstudio.media.zip_stills import ZipLimits
 from padstudio.store.uploads.files import read_head
 from padstudio.store.uploads.rows import Upload
@@ -48,7 +49,8 @@ def examine(path: Path, limits: UploadLimits) -> Content:
     Raises
     ------
     ContentError, ImageError, LimitError
-        If it is of no use, or beyond a limit. Videos are looked into where they are decoded.
+        If it is of no use, or beyond a limit. Videos and recordings are looked into where they are
+        decoded.
     """
     found, size_bytes = content.identify(read_head(path)), path.stat().st_size
     most = {"still": images.MAX_BYTES, "telemetry": limits.telemetry_bytes}
@@ -60,7 +62,10 @@ def examine(path: Path, limits: UploadLimits) -> Content:
     if found.kind == "still":
         images.read_header(path.read_bytes(), limits.still_pixels)
     elif found.kind == "stills":
-        zip_stills.list_stills(path, limits.zip)
+        if members_of(path, limits.zip):
+            found = content.BAG_ZIP
+        else:
+            zip_stills.list_stills(path, limits.zip)
     return found
 
 

@@ -165,6 +165,11 @@ class FlightSettings(BaseModel):
         description="Address that is called once when the flight has ended, on a host that the "
         "server's settings list.",
     )
+    topic: str | None = Field(
+        None,
+        max_length=300,
+        description="Of recordings: the topic with the pictures; needed where several have.",
+    )
 
 
 class OnlyFrames(BaseModel):
@@ -201,10 +206,14 @@ class NewFlight(FlightSettings):
         min_length=1,
         max_length=10_000,
         description="Ids of complete uploads in the order of their frames: videos, one of them "
-        "with a telemetry file beside it, or stills and zips of stills.",
+        "with a telemetry file beside it, recordings, or stills and zips of stills.",
     )
     pad: PadIds = Field(description=_PADS)
-    camera: str = Field(max_length=200, description="Id or name of a camera.")
+    camera: str | None = Field(
+        None,
+        max_length=200,
+        description="Id or name of a camera; recordings may bring their calibration along.",
+    )
 
 
 class Flight(BaseModel):

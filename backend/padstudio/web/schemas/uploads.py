@@ -41,7 +41,7 @@ class UploadSummary(BaseModel):
         description="When it is given up unless bytes come; null once it is complete."
     )
     sha256: str | None
-    kind: Literal["video", "still", "stills", "telemetry"] | None = Field(
+    kind: Literal["video", "recording", "still", "stills", "telemetry"] | None = Field(
         description="By content; stills is a zip. Null until it is complete."
     )
     media_type: str | None

@@ -12,6 +12,8 @@ from padstudio.errors import StudioError
 from padstudio.flights.exports.frames.pictures import to_jpeg
 from padstudio.flights.tasks.frames import VideoPart
 from padstudio.media import images
+from padstudio.media.recordings import index as recordings
+from padstudio.media.recordings.index import TopicTimes
 from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
 
 Record = dict[str, Any]
@@ -26,6 +28,7 @@ class _Video:
     """A video, and where it begins among all frames."""
 
     index: VideoIndex
+    recording: TopicTimes | None
     first_frame: int
     start_s: float
 
@@ -39,10 +42,14 @@ class SourceFiles:
         To which sources are relative.
     sources : mapping of str to (width, height) or None
         All of them, in the order of the file, with the size of their frames where it is told.
+    topics : mapping of str to str
+        Of those that are recordings: that of their frames.
     """
 
-    def __init__(self, folder: Path, sources: Mapping[str, Size | None]) -> None:
-        self._folder, self._sources = folder, sources
+    def __init__(
+        self, folder: Path, sources: Mapping[str, Size | None], topics: Mapping[str, str]
+    ) -> None:
+        self._folder, self._sources, self._topics = folder, sources, topics
         self._open: tuple[str, Iterator[tuple[int, bytes | None]]] | None = None
         self._sizes: dict[str, Size | None] = {}
         #: Records whose picture was asked for and is not there.
@@ -70,7 +77,7 @@ class SourceFiles:
 
     def _size(self, source: str, *, is_video: bool) -> Size:
         if is_video:
-            return read_index(str(self._folder / source)).info.shown_size
+            return self._index(source)[0].info.shown_size
         height, width = images.read(self._folder / source).shape[:2]
         return width, height
 
@@ -108,14 +115,22 @@ class SourceFiles:
         frame, time_s = 0, 0.0
         for source in self._sources:
             try:
-                index = read_index(str(self._folder / source))
+                index, recording = self._index(source)
             except (StudioError, OSError):
                 frame += 1
                 continue
-            found[source] = _Video(index, frame, time_s)
+            found[source] = _Video(index, recording, frame, time_s)
             frame += index.info.frames
             time_s += index.info.duration_s
         return found
+
+    def _index(self, source: str) -> tuple[VideoIndex, TopicTimes | None]:
+        """A video's frames, or those of a recording's topic, with how these are found again."""
+        path = str(self._folder / source)
+        if source in self._topics:
+            found = recordings.read_index(path, self._topics[source])
+            return found.video, found.times
+        return read_index(path), None
 
     def _frames(self, source: str) -> Iterator[tuple[int, bytes | None]]:
         index = self._videos[source].index
@@ -128,6 +143,7 @@ class SourceFiles:
             start_s=0.0,
             rotation_deg=_rotation(index.info, self._sources[source]),
             is_counted=index.is_counted,
+            recording=self._videos[source].recording,
         )
         for number, picture in enumerate(part.read(images.MAX_PIXELS)):
             yield number, None if picture.bgr is None else to_jpeg(picture.bgr)

@@ -12,7 +12,6 @@ from padstudio.errors import StudioError
 from padstudio.flights.results.frames import Results
 from padstudio.flights.tasks.frames import BYTES_OF_TIMESTAMP, StillPart, VideoPart, read_still
 from padstudio.flights.tasks.from_rows import numbers_of, still_part, video_part
-from padstudio.media.video_frames import read_frames
 from padstudio.store.database.flight_tables import FlightRow
 
 Record = dict[str, Any]
@@ -109,9 +108,7 @@ def jpegs(part: StillPart | VideoPart, max_pixels: int) -> list[bytes | None]:
     """
     if isinstance(part, StillPart):
         return [to_jpeg(read_still(part, max_pixels))]
-    pictures = read_frames(
-        part.url, part.timestamps, rotation_deg=part.rotation_deg, max_pixels=max_pixels
-    )
+    pictures = part.read(max_pixels)
     return [None if picture.bgr is None else to_jpeg(picture.bgr) for picture in pictures]
 
 

@@ -102,6 +102,8 @@ class Survey:
         Frames by quality: ``full``, ``bearing``, ``unknown``, or ``failed``.
     sources : dict of str to (width, height) or None
         In the order of the file, with the size of the frames of each where it is told.
+    topics : dict of str to str
+        Of sources that are recordings: that of their frames.
     begin_again : list of str
         Sources whose times begin again behind those of another, as in files of older versions.
     stills, videos : int
@@ -111,6 +113,7 @@ class Survey:
     pads: set[str] = field(default_factory=set)
     qualities: Counter[str] = field(default_factory=Counter)
     sources: dict[str, tuple[int, int] | None] = field(default_factory=dict)
+    topics: dict[str, str] = field(default_factory=dict)
     begin_again: list[str] = field(default_factory=list)
     stills: int = 0
     videos: int = 0
@@ -126,6 +129,8 @@ class Survey:
                 found.begin_again.append(source)
             if found.sources.get(source) is None:
                 found.sources[source] = (size[0], size[1]) if size else None
+            if "topic" in record:
+                found.topics[source] = record["topic"]
             last_s = time_s if time_s is not None and _was_read(record) else last_s
             found.stills += time_s is None
             found.videos += time_s is not None

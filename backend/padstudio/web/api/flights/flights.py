@@ -19,6 +19,7 @@ from padstudio.pad.spec import Pad
 from padstudio.store.database.flight_tables import OPEN, FlightRow
 from padstudio.store.store import Store
 from padstudio.web.api.cameras import find_camera
+from padstudio.web.api.flights.recordings import with_recordings
 from padstudio.web.schemas.base import NewName
 from padstudio.web.schemas.flights import (
     Flight,
@@ -59,6 +60,7 @@ _DEFAULTS: dict[str, Any] = {
     "apply_rotation": True,
     "fuse": True,
     "smooth": False,
+    "topic": None,
     "only": None,
 }
 _EVENTS: dict[int | str, dict[str, Any]] = {
@@ -147,7 +149,7 @@ def rerun_flight(
     flight_id: ItemId, changes: RerunSettings, shared: Shared, response: Response
 ) -> FlightDetail:
     def change(order: FlightOrder) -> FlightOrder:
-        order = _changed(order, changes, shared)
+        order = with_recordings(_changed(order, changes, shared), changes, shared)
         if changes.only is None:
             return order
         only = {"flight": flight_id, "reason": changes.only.reason}
@@ -224,7 +226,8 @@ def order_flight(new: NewFlight, shared: Services, key: str | None = None) -> Fl
         A flight that is ordered under the same one is the one that is there.
     """
     order = FlightOrder("", new.uploads, "", "", _DEFAULTS, key=key)
-    return shared.flights.order(_changed(order, new, shared))
+    order = _changed(order, new, shared)
+    return shared.flights.order(with_recordings(order, new, shared))
 
 
 def describe(shared: Services, row: FlightRow) -> Flight:
