@@ -4,10 +4,12 @@ import sys
 from pathlib import Path
 
 import pytest
+import recordings
 from command_line import assert_one_line_error, run
 from places import ROOT
 
 from padstudio.flights import batch
+from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import look_at_pad
 from padstudio.pad.identity import pad_id
 from padstudio.vision.stage.detection import Detection
@@ -281,3 +283,27 @@ def test_two_processes_give_what_one_gives():
             # Sums of parallel code differ in their last digits from run to run.
             assert other["position_mm"] == pytest.approx(one["position_mm"], rel=1e-9)
             assert other["cells_read"] == one["cells_read"]
+
+
+def test_a_recording_brings_its_camera(tmp_path):
+    matrix = [[200.0, 0, 96], [0, 200, 64], [0, 0, 1]]
+    camera = Camera(recordings.videos.WIDTH, recordings.videos.HEIGHT, matrix)
+    scene = recordings.Scene(recordings.shots(2), camera=camera)
+    bag = recordings.write_bag1(tmp_path / "a.bag", scene)
+    result = run("detect", "--pad", SAMPLES / "pad.json", "-q", bag)
+    assert "camera cam: the calibration in the recording" in result.stderr
+    lines = [json.loads(line) for line in result.stdout.splitlines()]
+    assert [line["topic"] for line in lines] == [recordings.TOPIC] * 2
+    assert [line["stage"] == "read" for line in lines] == [False, False]
+
+
+def test_a_recording_without_a_camera_or_with_several_topics(tmp_path):
+    scene = recordings.Scene(recordings.shots(2), "compressed", topics=("/a/image", "/b/image"))
+    path = recordings.write_mcap(tmp_path / "a.mcap", scene)
+    pad = ("--pad", SAMPLES / "pad.json")
+    assert_one_line_error(run("detect", *pad, path), "several_topics")
+    assert_one_line_error(run("detect", *pad, "--topic", "/a/image", path), "camera_required")
+    assert_one_line_error(run("detect", *pad, SAMPLES / "height_1300mm.jpg"), "usage")
+    result = run("detect", *GIVEN, path)
+    (line,) = (json.loads(line) for line in result.stdout.splitlines())
+    assert (line["stage"], line["reason"]) == ("read", "several_topics")

@@ -126,9 +126,7 @@ def plan(
         Of recordings, the one that frames are taken from; None where only one has pictures.
     """
     task = PlanTask(
-        files=tuple(
-            SourceFile("", _kind_of(path), path.as_posix(), str(path)) for path in paths
-        ),
+        files=tuple(SourceFile("", _kind_of(path), path.as_posix(), str(path)) for path in paths),
         camera=recipe.camera,
         first_frame=0,
         end_frame=None,

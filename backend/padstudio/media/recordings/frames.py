@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from padstudio.arrays import Image
 from padstudio.errors import ImageError
@@ -16,9 +16,6 @@ from padstudio.media.recordings.storage import Storage
 from padstudio.media.recordings.topics import picture_channels
 from padstudio.media.video_frames import Keep, VideoPicture, to_frame
 from padstudio.media.video_packets import codec_of, decode_packets, is_keyframe
-
-if TYPE_CHECKING:
-    from av import VideoFrame
 
 # A keyframe is looked for so far before a frame, and then from the start.
 _STEPS_BACK_NS = (0, 2 * 10**9, 20 * 10**9)
@@ -110,7 +107,7 @@ def _video(
     max_pixels: int,
     keep: Keep | None,
 ) -> Generator[VideoPicture]:
-    def made(at: int, frame: VideoFrame | None, is_damaged: bool) -> VideoPicture:
+    def made(at: int, frame: Any, is_damaged: bool) -> VideoPicture:
         if keep is not None:
             keep(at, frame, is_damaged)
             return VideoPicture(at, None, is_damaged)
@@ -133,7 +130,7 @@ def _video(
 
 def _decoded_video(
     storage: Storage, times: TopicTimes, first: int, last: int, max_pixels: int
-) -> Iterator[tuple[int, VideoFrame]]:
+) -> Iterator[tuple[int, Any]]:
     """Frames from the keyframe before the first one asked for."""
     packets = _from_keyframe(storage, times, first, last)
     start = next(packets, None)

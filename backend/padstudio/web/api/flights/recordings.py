@@ -55,7 +55,6 @@ def _look(upload: Upload, topic: str | None, shared: Services) -> Look:
     try:
         found: Look = future.result()
     except StudioError as error:
-        raise type(error)(
-            f"{upload.name}: {error.message}", code=error.error_code, detail=error.detail
-        ) from error
+        error.message = f"{upload.name}: {error.message}"
+        raise
     return found
