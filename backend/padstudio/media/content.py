@@ -15,7 +15,8 @@ HEAD_BYTES = 4096
 
 READABLE = (
     "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS, M2TS), a recording (ROS bag, MCAP), a still "
-    "(JPEG, PNG, WebP, TIFF, BMP), a zip of stills or of a ROS 2 bag, or an SRT telemetry file"
+    "(JPEG, PNG, WebP, TIFF, BMP), a zip of stills or of a ROS 2 bag, or telemetry: an SRT file, a "
+    "ULog, DataFlash or MAVLink log, a CSV of the vehicle's poses"
 )
 
 
@@ -64,6 +65,10 @@ DB3 = Content("recording", "application/vnd.sqlite3", ".db3")
 ZSTD = Content("recording", "application/zstd", ".zstd")
 #: A zip of a ROS 2 bag's folder, or of another recording; `identify` takes all zips for stills.
 BAG_ZIP = Content("recording", "application/zip", ".zip")
+ULOG = Content("telemetry", "application/x-ulog", ".ulg")
+DATAFLASH = Content("telemetry", "application/x-dataflash", ".bin")
+TLOG = Content("telemetry", "application/x-mavlink-tlog", ".tlog")
+VEHICLE_CSV = Content("telemetry", "text/csv", ".csv")
 
 _STARTS = {
     b"\xff\xd8\xff": JPEG,
@@ -75,6 +80,9 @@ _STARTS = {
     b"#ROSBAG V2.0\n": BAG,
     b"SQLite format 3\0": DB3,
     b"\x28\xb5\x2f\xfd": ZSTD,
+    b"ULog\x01\x12\x35": ULOG,
+    # The log's first message describes messages that describe messages, of 89 bytes each.
+    b"\xa3\x95\x80\x80\x59": DATAFLASH,
 }
 _RIFF = {b"AVI ": AVI, b"WEBP": WEBP}
 # ISO/IEC 14496-12 boxes that QuickTime files older than the file type box begin with.
@@ -91,8 +99,13 @@ _NEW_SUBFILE_TYPE, _DNG_VERSION, _IS_PREVIEW = 0x00FE, 0xC612, 1
 # Sizes of the headers that follow a BMP's file header.
 _BMP_HEADERS = (12, 40, 52, 56, 64, 108, 124)
 _SRT = re.compile(
-    r"\s*\d+\s*\r?\n\s*\d{1,2}:\d\d:\d\d[,.]\d{1,3}\s*-->\s*\d{1,2}:\d\d:\d\d[,.]\d{1,3}"
+    r"\s*(?:WEBVTT[^\r\n]*\s+)?(?:\d+\s*[\r\n]\s*)?"
+    r"\d{1,2}:\d\d:\d\d[,.]\d{1,3}\s*-->\s*\d{1,2}:\d\d:\d\d[,.]\d{1,3}"
 )
+# Bytes about the payload of a packet of MAVLink 1 and 2, each after a time of 8 bytes.
+_MAVLINK, _TIME_BYTES = {0xFE: 8, 0xFD: 12}, 8
+# Some columns of a vehicle's track, which no other table has together.
+_TRACK = {"time_s", "down_m", "qw"}
 
 
 def identify(head: bytes) -> Content:
@@ -111,8 +124,8 @@ def identify(head: bytes) -> Content:
     if not head:
         raise ContentError(f"the file is empty; {READABLE}", code="empty_file")
     content = _by_signature(head) or _by_boxes(head)
-    if content is None and _SRT.match(head.decode("utf-8-sig", "replace")):
-        content = SRT
+    if content is None:
+        content = TLOG if _is_tlog(head) else _by_text(head)
     if content is None:
         raise ContentError(f"the file's content is of no kind that can be read; {READABLE}")
     return content
@@ -158,6 +171,25 @@ def _matroska(head: bytes) -> Content | None:
     """By the EBML header's DocType (RFC 8794, element 0x4282)."""
     found = re.search(rb"\x42\x82[\x80-\xff]([a-z]+)", head)
     return {b"matroska": MKV, b"webm": WEBM}.get(found[1]) if found else None
+
+
+def _is_tlog(head: bytes) -> bool:
+    """Two packets, or one that is the whole file, each after its time."""
+    if len(head) < _TIME_BYTES + 12 or head[_TIME_BYTES] not in _MAVLINK:
+        return False
+    signature = 13 if head[_TIME_BYTES] == 0xFD and head[_TIME_BYTES + 2] & 1 else 0
+    size = _MAVLINK[head[_TIME_BYTES]] + head[_TIME_BYTES + 1] + signature
+    second = 2 * _TIME_BYTES + size
+    return second - _TIME_BYTES == len(head) or (second < len(head) and head[second] in _MAVLINK)
+
+
+def _by_text(head: bytes) -> Content | None:
+    is_wide = head[:2] in (b"\xff\xfe", b"\xfe\xff")
+    text = head.decode("utf-16" if is_wide else "utf-8-sig", "replace")
+    if _SRT.match(text):
+        return SRT
+    first = next((line for line in text.splitlines() if not line.startswith("#")), "")
+    return VEHICLE_CSV if {name.strip() for name in first.split(",")} >= _TRACK else None
 
 
 def _by_boxes(head: bytes) -> Content | None:

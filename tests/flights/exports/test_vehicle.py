@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from padstudio.errors import SpecError
-from padstudio.flights.exports.vehicle import COLUMNS, VehicleTrack
+from padstudio.flights.exports.vehicle import VehicleTrack
+from padstudio.media.telemetry.vehicle_table import COLUMNS
 
 HEADER = ",".join(COLUMNS)
 

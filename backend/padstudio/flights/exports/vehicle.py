@@ -6,7 +6,6 @@ Frames: *body* is the autopilots' x forward, y right, z down (FRD); *local* is n
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -15,8 +14,8 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.errors import SpecError
+from padstudio.media.telemetry.vehicle_table import read_rows
 
-COLUMNS = ("time_s", "north_m", "east_m", "down_m", "qw", "qx", "qy", "qz")
 #: Over a longer gap between two poses of the vehicle nothing is known of it.
 MAX_GAP_S = 0.5
 
@@ -115,29 +114,14 @@ class VehicleTrack:
 
     @classmethod
     def from_csv(cls, lines: Iterable[str]) -> VehicleTrack:
-        """Read a table whose header names `COLUMNS`, in any order.
+        """Read a table, as `padstudio.media.telemetry.vehicle_table.read_rows`.
 
         Raises
         ------
         SpecError
             If a column is missing or a cell is no number, naming it.
         """
-        reader = csv.DictReader(line for line in lines if not line.startswith("#"))
-        missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
-        if missing:
-            raise SpecError(
-                f"the vehicle's track lacks the columns {', '.join(missing)}; its header must name "
-                f"{','.join(COLUMNS)}",
-                code="invalid_vehicle_track",
-            )
-        try:
-            rows = np.array([[float(row[name]) for name in COLUMNS] for row in reader])
-        except (TypeError, ValueError, csv.Error) as error:
-            raise SpecError(
-                f"line {reader.line_num} of the vehicle's track holds what is no number",
-                code="invalid_vehicle_track",
-            ) from error
-        rows = rows.reshape(-1, len(COLUMNS))
+        rows = read_rows(lines)
         return cls(rows[:, 0], rows[:, 1:4], rows[:, 4:8])
 
     def at(self, time_s: float) -> tuple[Array, Array] | None:

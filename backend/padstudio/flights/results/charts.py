@@ -15,7 +15,7 @@ from padstudio.flights.results.bins import grid_of, read_bins
 from padstudio.flights.results.height_fit import choose_samples, compare_heights
 from padstudio.flights.results.rows import select_rows
 from padstudio.geometry.pose import rotation_from_quaternion
-from padstudio.media.telemetry import height_at
+from padstudio.media.telemetry.columns import ON_FLIGHT_CLOCK, height_at
 from padstudio.store.database.flight_tables import FlightRow, FrameDetailRow, FrameRow
 from padstudio.vision.stage.trace import STAGES
 
@@ -319,7 +319,7 @@ def _samples(session: Session, flight: FlightRow, count: int) -> list[dict[str, 
 
 
 def _heights(flight: FlightRow, trajectory: dict[str, list[Any]]) -> dict[str, Any] | None:
-    if not flight.telemetry:
+    if not flight.telemetry or flight.telemetry.get("kind", "srt") not in ON_FLIGHT_CLOCK:
         return None
     known = [place for place, z in enumerate(trajectory["z_mm"]) if z is not None]
     known = [place for place in known if trajectory["time_s"][place] is not None]

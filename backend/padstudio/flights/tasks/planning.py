@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from padstudio.errors import CameraMismatchError, SpecError, StudioError
 from padstudio.geometry.camera import Camera
-from padstudio.media import telemetry
 from padstudio.media.recordings import index as recordings
+from padstudio.media.telemetry import srt
+from padstudio.media.telemetry.columns import to_dict
+from padstudio.media.telemetry.reading import read
 from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
 from padstudio.media.zip_stills import list_members
 
@@ -57,7 +59,7 @@ class Plan:
         ``recording``, `padstudio.media.recordings.index.TopicTimes`; of zips the members.
     chunks : list of ChunkPlan
     telemetry : dict or None
-        As `padstudio.media.telemetry.to_dict`.
+        As `padstudio.media.telemetry.reading.read`.
     unread : dict of int to StudioError
         Places among the sources of those that cannot be read, each taken for one frame of no
         duration.
@@ -119,12 +121,12 @@ class PlanTask:
         sources: list[dict[str, Any]] = []
         indices: dict[int, VideoIndex] = {}
         unread: dict[int, StudioError] = {}
-        found: telemetry.Telemetry | None = None
+        found: dict[str, Any] | None = None
         frame, time_s = 0, 0.0
         for file in self.files:
             try:
                 if file.kind == "telemetry":
-                    found = telemetry.read(file.url)
+                    found = read(file.url)
                     continue
                 entry, index = self._look(file, stopped)
             except StudioError as error:
@@ -137,7 +139,7 @@ class PlanTask:
             if index is not None:
                 indices[len(sources)] = index
                 if file.kind == "video" and not self.keep_going:
-                    found = found or telemetry.read_embedded(file.url)
+                    found = found or _embedded(file.url)
             sources.append(asdict(file) | {"first_frame": frame, "start_s": time_s} | entry)
             frame += entry["frames"]
             time_s += index.info.duration_s if index else 0.0
@@ -148,7 +150,7 @@ class PlanTask:
                 f"{self.first_frame} on were asked for",
                 code="no_frames",
             )
-        return Plan(sources, chunks, telemetry.to_dict(found) if found else None, unread)
+        return Plan(sources, chunks, found, unread)
 
     def _look(
         self, file: SourceFile, stopped: Callable[[], bool]
@@ -235,6 +237,12 @@ class PlanTask:
     def _chunk(self, source: int, numbers: NDArray[np.int64], pts: bytes = b"") -> ChunkPlan:
         told = b"" if self.only is None else numbers.astype("<i8").tobytes()
         return ChunkPlan(source, int(numbers[0]), len(numbers), pts, told)
+
+
+def _embedded(url: str) -> dict[str, Any] | None:
+    """Telemetry inside a video."""
+    found = srt.read_embedded(url)
+    return to_dict(found) if found else None
 
 
 def _by_keyframe(

@@ -90,6 +90,7 @@ SUMMARY_EXAMPLE: dict[str, Any] = {
     "damaged": 0,
 }
 TELEMETRY_EXAMPLE: dict[str, Any] = {
+    "kind": "srt",
     "time_s": [0.0, 0.033],
     "frame": [1, 2],
     "height_m": [1.3, 1.2],
@@ -346,10 +347,13 @@ class FlightSummary(BaseModel):
 
 
 class TelemetryColumns(BaseModel):
-    """What the camera wrote of the flight, in columns of equal length."""
+    """What the camera or the vehicle wrote of the flight, in columns of equal length."""
 
     model_config = _example(TELEMETRY_EXAMPLE)
 
+    kind: Literal["srt", "csv", "ulog", "dataflash", "tlog"] = Field(
+        "srt", description="Of srt and csv the times are the flight's, else the log's own."
+    )
     time_s: list[float]
     frame: list[int | None]
     height_m: list[float | None]
@@ -358,6 +362,13 @@ class TelemetryColumns(BaseModel):
     longitude_deg: list[float | None]
     clock: list[str | None]
     unread: int = Field(description="Subtitles of no known form.")
+    qw: list[float | None] = Field([], description="Body (x forward, y right, z down) to local.")
+    qx: list[float | None] = []
+    qy: list[float | None] = []
+    qz: list[float | None] = []
+    north_m: list[float | None] = Field([], description="Of the vehicle, from its local origin.")
+    east_m: list[float | None] = []
+    down_m: list[float | None] = []
 
 
 class FrameReadiness(BaseModel):

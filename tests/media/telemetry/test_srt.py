@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 import videos
 
-from padstudio.media import telemetry
-from padstudio.media.telemetry import Sample, TelemetryError, parse_srt
+from padstudio.media.telemetry import columns, reading
+from padstudio.media.telemetry.columns import Sample, Telemetry, TelemetryError
+from padstudio.media.telemetry.srt import parse_srt, read_embedded
 
 CUE = "1\n00:00:01,500 --> 00:00:01,533\n"
 
@@ -87,19 +88,77 @@ def test_what_is_no_telemetry_is_refused(text: str) -> None:
 def test_files_are_read_whatever_their_encoding(tmp_path: Path) -> None:
     path = tmp_path / "a.srt"
     path.write_bytes(b"\xef\xbb\xbf" + CUE.encode() + "H 2.0m, 10°".encode("latin-1"))
-    assert telemetry.read(str(path)).samples == (Sample(1.5, height_m=2.0),)
+    assert reading.read(str(path))["height_m"] == [2.0]
 
 
 def test_heights_between_samples() -> None:
-    columns = telemetry.to_dict(
-        telemetry.Telemetry((Sample(1.0, height_m=10.0), Sample(2.0), Sample(3.0, height_m=14.0)))
+    told = columns.to_dict(
+        Telemetry((Sample(1.0, height_m=10.0), Sample(2.0), Sample(3.0, height_m=14.0)))
     )
-    assert telemetry.height_at(columns, [0.5, 1.0, 2.5, 3.0, 3.1]) == [None, 10, 13, 14, None]
+    assert columns.height_at(told, [0.5, 1.0, 2.5, 3.0, 3.1]) == [None, 10, 13, 14, None]
     at_sea = (Sample(1.0, altitude_m=410.0), Sample(3.0, altitude_m=414.0))
-    columns = telemetry.to_dict(telemetry.Telemetry(at_sea))
-    assert telemetry.height_at(columns, [2.0, 4.0]) == [412, None]
-    empty = telemetry.to_dict(telemetry.Telemetry((Sample(1.0),)))
-    assert telemetry.height_at(empty, [1.0]) == [None]
+    told = columns.to_dict(Telemetry(at_sea))
+    assert columns.height_at(told, [2.0, 4.0]) == [412, None]
+    empty = columns.to_dict(Telemetry((Sample(1.0),)))
+    assert columns.height_at(empty, [1.0]) == [None]
+
+
+BARE = {
+    "by the form": (
+        "GPS(47.100001,8.200001,469.800) BAROMETER(12.4) HOME(47.100000,8.200000)",
+        Sample(1.5, None, 12.4, 469.8, 47.100001, 8.200001),
+    ),
+    "by range, against the form": (
+        "GPS(-122.3699,37.8166,469.800) BAROMETER(12.4)",
+        Sample(1.5, None, 12.4, 469.8, 37.8166, -122.3699),
+    ),
+    "by range alone": (
+        "GPS(37.8166,-122.3699)",
+        Sample(1.5, None, None, None, 37.8166, -122.3699),
+    ),
+    "feet": (
+        "F/2.8, GPS (8.2, 47.1, 15), D 24.5ft, H 20.0ft, H.S 0.00mph",
+        Sample(1.5, None, 20 * 0.3048, None, 47.1, 8.2),
+    ),
+    "decimal comma": (
+        "[latitude: 47,1] [longitude: 8,2] [rel_alt: 1,300 abs_alt: 132,860]",
+        Sample(1.5, None, 1.3, 132.86, 47.1, 8.2),
+    ),
+    "autel": (
+        "GPS(W: 8.2001, N: 47.1001, 469.57m) ReH:12",
+        Sample(1.5, None, 12.0, 469.57, 47.1001, -8.2001),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BARE)
+def test_which_number_is_the_latitude(name: str) -> None:
+    text, expected = BARE[name]
+    assert parse_srt(CUE + text + "\n\n").samples == (expected,)
+
+
+def test_one_sample_beyond_the_poles_tells_the_order_of_all() -> None:
+    text = CUE + "GPS(80.0, 10.0)\n\n2\n00:00:02,000 --> 00:00:03,000\nGPS(100.0, 10.0)\n"
+    found = parse_srt(text).samples
+    assert [(each.latitude_deg, each.longitude_deg) for each in found] == [(10, 80), (10, 100)]
+
+
+@pytest.mark.parametrize(
+    "text", ["GPS(47.1, 8.2)", "GPS(47.1, 8.2) H 2.0m", "GPS(100.0, 8.2)\n GPS(8.2, 100.0)"]
+)
+def test_an_order_that_nothing_tells_is_refused(text: str) -> None:
+    cues = "".join(CUE + line + "\n\n" for line in text.splitlines())
+    with pytest.raises(TelemetryError, match="nothing tells which number is the latitude"):
+        parse_srt(cues)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("head", ["1\n", "", "WEBVTT\n\n"])
+def test_heads_and_encodings(tmp_path: Path, encoding: str, head: str) -> None:
+    path = tmp_path / "a.srt"
+    text = head + "00:00:01.500 --> 00:00:01.533\n[rel_alt: 1.5 abs_alt: 3]\n"
+    path.write_bytes(text.encode(encoding))
+    assert reading.read(str(path))["height_m"] == [1.5]
 
 
 @pytest.mark.parametrize(("name", "codec"), [("a.mp4", "mov_text"), ("a.mkv", "subrip")])
@@ -107,7 +166,7 @@ def test_telemetry_inside_a_video(name: str, codec: str, tmp_path: Path) -> None
     path = videos.write_with_subtitles(
         tmp_path / name, codec, [f"[rel_alt: {n}.5 abs_alt: 40.0]" for n in range(10)]
     )
-    found = telemetry.read_embedded(str(path))
+    found = read_embedded(str(path))
     assert found is not None
     assert [sample.height_m for sample in found.samples] == [n + 0.5 for n in range(10)]
     times = [sample.time_s for sample in found.samples]
@@ -115,4 +174,4 @@ def test_telemetry_inside_a_video(name: str, codec: str, tmp_path: Path) -> None
 
 
 def test_a_video_without_telemetry(tmp_path: Path) -> None:
-    assert telemetry.read_embedded(str(videos.write(tmp_path / "a.mp4", 2))) is None
+    assert read_embedded(str(videos.write(tmp_path / "a.mp4", 2))) is None
