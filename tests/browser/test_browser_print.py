@@ -122,6 +122,10 @@ def test_a_measured_size_is_stored_with_the_pad(
     expect(page).to_have_url(re.compile(r"\?pad="))
     page.reload()
     expect(page.get_by_label("Ruler along x")).to_have_value("199.2")
+    page.get_by_label("Ruler along y").fill("200.9")
+    page.reload()
+    expect(page.get_by_label("Ruler along y")).to_have_value("200.9")
+    expect(page.get_by_label("Ruler along x")).to_have_value("199.2")
     with page.expect_download() as download:
         page.get_by_role("button", name="Download as JSON").click()
     download.value.save_as(tmp_path / "pad.json")

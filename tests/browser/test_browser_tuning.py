@@ -76,7 +76,10 @@ def test_a_parameter_beside_its_stage_changes_the_pose_and_is_marked(bench: Page
     expect(bench.locator("#verdict")).to_contain_text("No pose")
     _set(bench, "search.least_edges", "7")
     expect(_row(bench, "search.least_edges").locator("[data-ref=fault]")).to_contain_text("From 16")
+    name = bench.locator("#workbench [data-ref=preset-name]")
+    name.fill("half a na")
     bench.reload()
+    expect(name).to_have_value("half a na")
     expect(bench.locator("#workbench [data-ref=changed-count]")).to_have_text(
         re.compile("[23] changed")
     )

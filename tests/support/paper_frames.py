@@ -51,7 +51,14 @@ def edge_map(camera=None, channel="red"):
     """An edge map without edges, for stages that only need its frame."""
     nothing = np.zeros((HEIGHT, WIDTH), np.uint8)
     plane = Plane(nothing.astype(np.float32), channel, 0, 0, 0)
-    return EdgeMap(nothing, nothing, np.zeros((0, 2)), plane, camera or small_camera())
+    return EdgeMap(
+        nothing,
+        nothing,
+        np.zeros((0, 2)),
+        np.zeros(0, np.int32),
+        plane,
+        camera or small_camera(),
+    )
 
 
 def grid_lines(plane_from_lattice, columns, rows, *, intruders=(), noise_px=0.0, seed=0):

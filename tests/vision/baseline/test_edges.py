@@ -1,5 +1,7 @@
 """Canny, dilation, and edge points to a part of a pixel."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 from paper_frames import HEIGHT, WIDTH, edge_map, small_camera
 
 from padstudio.vision.baseline.edges import find_edge_map
+from padstudio.vision.baseline.hough_kernel import BINS
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Box, Plane
 from padstudio.vision.frame.regions import Region
@@ -40,6 +43,19 @@ def test_dilation_covers_the_edge_and_its_neighbours():
     row = np.flatnonzero(edges.thin[HEIGHT // 2])
     assert len(row) == 1
     assert np.flatnonzero(edges.mask[HEIGHT // 2]).tolist() == [row[0] - 1, row[0], row[0] + 1]
+
+
+@given(st.floats(0, math.pi), st.sampled_from([(40.0, 200.0), (200.0, 40.0)]))
+def test_each_pixel_of_an_edge_knows_its_normal(angle, grey):
+    x, y = np.meshgrid(np.arange(WIDTH) - WIDTH / 2, np.arange(HEIGHT) - HEIGHT / 2)
+    share = np.clip(x * math.cos(angle) + y * math.sin(angle) + 0.5, 0, 1)
+    values = (grey[0] + (grey[1] - grey[0]) * share).astype(np.float32)
+    plane = Plane(values, "red", 0, 0, 0)
+    edges = find_edge_map(threshold(plane), WHOLE, small_camera(), 2, PaperParams())
+    assert len(edges.normals) == np.count_nonzero(edges.mask)
+    off = (edges.normals - angle / math.pi * BINS + BINS / 2) % BINS - BINS / 2
+    # Half of what they may be off to vote for their line; the ends lie at the picture's borders.
+    assert np.percentile(np.abs(off), 95) < 10
 
 
 def test_edges_off_the_pads_colour_are_dropped():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import cv2
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array, Image
 from padstudio.geometry.camera import Camera
+from padstudio.vision.baseline.hough_kernel import BINS
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.frame.regions import Region
@@ -21,6 +23,8 @@ _LEAST_EDGES = 100
 # The grey plane's steepest place is looked for this far from Canny's, pixels of the plane. Half and
 # double read 16 of 19 stills of the footage instead of 17.
 _SEARCH = 2
+
+_Gradient = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +39,9 @@ class EdgeMap:
         The same, dilated.
     points : (N, 2) float64
         Canny's edge pixels, moved to where the grey plane is steepest; plane pixels.
+    normals : (P,) int32
+        Which way the grey plane is steepest at each pixel of the mask, row by row, over half a turn
+        in `hough_kernel.BINS` steps; 0 is along a row.
     plane : Plane
         What they were found in.
     camera : Camera
@@ -44,6 +51,7 @@ class EdgeMap:
     thin: Image
     mask: Image
     points: Array
+    normals: NDArray[np.int32]
     plane: Plane
     camera: Camera
 
@@ -95,23 +103,35 @@ def find_edge_map(
             f"only {count} edge pixels in {binary.plane.channel}, {_LEAST_EDGES} are needed",
         )
     mask = np.asarray(cv2.dilate(thin, np.ones((3, 3), np.uint8)), np.uint8)
-    return EdgeMap(thin, mask, _steepest(binary.plane, thin), binary.plane, camera)
+    gradient = _gradient(binary.plane)
+    points = _steepest(gradient, thin)
+    return EdgeMap(thin, mask, points, _normals(gradient, mask), binary.plane, camera)
 
 
 def _ideal(camera: Camera) -> Camera:
     return replace(camera, distortion=np.zeros(0), model="radtan")
 
 
-def _steepest(plane: Plane, thin: Image) -> Array:
+def _gradient(plane: Plane) -> _Gradient:
+    smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
+    gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0), np.float32)
+    return gx, np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1), np.float32)
+
+
+def _normals(gradient: _Gradient, mask: Image) -> NDArray[np.int32]:
+    at = np.nonzero(mask)
+    angle = np.arctan2(gradient[1][at], gradient[0][at])
+    return np.round(angle * (BINS / math.pi)).astype(np.int32) % BINS
+
+
+def _steepest(gradient: _Gradient, thin: Image) -> Array:
     """Edge pixels to a part of a pixel, (N, 2).
 
     Thresholds and cleaning round the cells' corners and shift their sides; the grey plane knows
     better. Along the gradient's main axis the steepest of five pixels is taken, and the parabola
     through it and its neighbours.
     """
-    smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
-    gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0), np.float32)
-    gy = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1), np.float32)
+    gx, gy = gradient
     steep = np.pad(steepness(gx, gy), _SEARCH + 1, mode="edge")
     y, x = np.nonzero(thin)
     along_x = np.abs(gx[y, x]) >= np.abs(gy[y, x])

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.vision.baseline import lines_kernel
+from padstudio.vision.baseline import hough_kernel, lines_kernel
 from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -56,10 +54,13 @@ def find_merged_lines(edges: EdgeMap, params: PaperParams) -> Lines | StageFailu
     """Probabilistic Hough transform; near-collinear segments become one line each.
 
     A merged line is fitted to the undilated edge points along it: that is what makes its position
-    good to a fraction of a pixel.
+    good to a fraction of a pixel. Pixels vote only for lines across their gradient.
 
     References
     ----------
+    O'Gorman, F. and Clowes, M. B. (1976). Finding picture edges through collinearity of feature
+    points. doi:10.1109/TC.1976.1674627
+
     Matas, J., Galambos, C. and Kittler, J. (2000). Robust detection of lines using the
     progressive probabilistic Hough transform. doi:10.1006/cviu.1999.0831
     """
@@ -102,19 +103,18 @@ def homogeneous(ends: Array) -> Array:
 
 
 def _hough(edges: EdgeMap, params: PaperParams) -> Array:
+    y, x = np.nonzero(edges.mask)
+    # The order is random, and the same each time.
+    order = np.random.default_rng(0).permutation(len(x))
     side = max(edges.mask.shape)
-    found = cv2.HoughLinesP(
-        edges.mask,
-        1,
-        math.pi / 360,
+    segments = hough_kernel.find_segments(
+        edges.mask.shape,
+        np.stack([x, y], axis=1).astype(np.int32)[order],
+        edges.normals[order],
         params.hough_votes,
-        minLineLength=max(params.hough_length * side, _LEAST_LENGTH_PX),
-        maxLineGap=max(params.hough_gap * side, _LEAST_GAP_PX),
+        max(params.hough_length * side, _LEAST_LENGTH_PX),
+        int(max(params.hough_gap * side, _LEAST_GAP_PX)),
     )
-    if found is None:
-        return np.zeros((0, 2, 2))
-    # OpenCV 4 gives (N, 1, 4), OpenCV 5 (N, 4).
-    segments = np.asarray(found, float).reshape(-1, 2, 2)
     return segments[_best_first(_lengths(segments))[:_MOST_SEGMENTS]]
 
 
