@@ -1,4 +1,4 @@
-/** The page's state in the address, so that a link or a reload brings it back. */
+/** What outlives a reload: the page's state in the address, which a link has too, and drafts. */
 
 /**
  * Replace the query; empty and null values are left out.
@@ -37,6 +37,44 @@ export function addressKeeper(state) {
 
 /** @returns {URLSearchParams} */
 export const readAddress = () => new URLSearchParams(location.search);
+
+/**
+ * Keeps what is being typed into fields, so that a reload does not lose it; each tab has its own.
+ *
+ * @param {string} name  of the draft, on this page
+ * @param {() => (HTMLInputElement | HTMLSelectElement)[]} fields
+ * @param {() => string} [over]  what it is typed over; what is typed over something else is stale
+ */
+export function makeDraft(name, fields, over = () => "") {
+  const key = `draft ${location.pathname} ${name}`;
+  for (const field of fields()) {
+    field.addEventListener("input", () => write(JSON.stringify([over(), ...fields().map(({ value }) => value)])));
+  }
+
+  /** @param {string} text */
+  function write(text) {
+    try {
+      if (text) sessionStorage.setItem(key, text);
+      else sessionStorage.removeItem(key);
+    } catch {
+      // A browser that keeps nothing forgets drafts, too.
+    }
+  }
+
+  return {
+    /** Texts in the order of the fields; null where nothing was typed. @returns {string[] | null} */
+    read() {
+      try {
+        const [typedOver, ...texts] = JSON.parse(sessionStorage.getItem(key) ?? "[]");
+        return typedOver === over() && texts.length === fields().length ? texts.map(String) : null;
+      } catch {
+        return null;
+      }
+    },
+    /** What was typed has been done, or is to be no more. */
+    forget: () => write(""),
+  };
+}
 
 /**
  * Start a download without leaving the page.

@@ -17,6 +17,7 @@
  */
 
 import { mountFacts } from "../../shared/components/facts.js";
+import { makeDraft } from "../../shared/address.js";
 import { mountTextForm } from "../../shared/components/textForm.js";
 
 /**
@@ -33,9 +34,11 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto, onStr
   const facts = mountFacts(find("facts"));
   const stripFacts = mountFacts(find("strip-facts"));
   let shownRulers = "";
+  const draft = makeDraft("rulers", () => rulers, () => shownRulers);
 
   measured.addEventListener("submit", (event) => {
     event.preventDefault();
+    draft.forget();
     onMeasured(rulers[0].value, rulers[1].value);
   });
   const photo = /** @type {HTMLInputElement} */ (find("strip-photo"));
@@ -58,7 +61,8 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto, onStr
       // Readings being typed stay until the pad's own change.
       if (read.join() !== shownRulers) {
         shownRulers = read.join();
-        rulers.forEach((input, place) => { input.value = read[place]; });
+        const texts = draft.read() ?? read;
+        rulers.forEach((input, place) => { input.value = texts[place]; });
       }
       find("measured-note").textContent = isSaved ? "" : "Entering a size saves the pad first.";
       stripFacts.update(strip?.facts ?? []);

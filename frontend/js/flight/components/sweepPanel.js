@@ -7,6 +7,7 @@
 
 import { messageOf } from "../../server/request.js";
 import { getSweep, listParameters, startSweep, stopSweep } from "../../server/tuningApi.js";
+import { makeDraft } from "../../shared/address.js";
 import { mountPlot } from "../../shared/components/plot.js";
 import { rangeFault, sweepChart, sweepInWords, usualRange, valueInWords, valuesBetween } from "../sweepLogic.js";
 
@@ -32,6 +33,9 @@ export function mountSweepPanel(root, id, { settings, onTake, onBegin }) {
   const chosen = () => all.find(({ name }) => name === find("parameter").value);
   const range = () => ({ from: find("from").valueAsNumber, to: find("to").valueAsNumber, count: find("count").valueAsNumber });
 
+  const fields = () => ["parameter", "from", "to", "count", "failed", "read"].map(find);
+  const draft = makeDraft("sweep", fields);
+
   async function load() {
     if (all.length) return;
     try {
@@ -39,9 +43,18 @@ export function mountSweepPanel(root, id, { settings, onTake, onBegin }) {
       all = (await listParameters()).filter(({ methods, followed }) => methods.includes(method) && !followed);
       find("parameter").replaceChildren(...all.map(({ name }) => new Option(name, name)));
       offer();
+      restoreDraft();
     } catch (error) {
       find("fault").textContent = messageOf(error);
     }
+  }
+
+  function restoreDraft() {
+    const typed = draft.read();
+    if (!typed || !all.some(({ name }) => name === typed[0])) return;
+    find("parameter").value = typed[0];
+    offer();
+    fields().forEach((field, at) => { field.value = typed[at]; });
   }
 
   /** The usual range of the parameter that is chosen. */

@@ -2,7 +2,7 @@
  * Fetches what the views of a workbench show, the newest wish first.
  *
  * While a slider moves only the view that is looked at is fetched, quickly; once it rests, all
- * views that are not up to date, a few at a time. One question is under way at a time, so that the
+ * views that are not up to date, one by one. One question is under way at a time, so that the
  * next one is always the newest, and what became old meanwhile is never asked.
  *
  * @typedef {import("../../server/tuningApi.js").Reading} Reading
@@ -30,7 +30,8 @@ import { keyOf } from "./workbenchLogic.js";
 
 // A slider that stands still for so long rests.
 const REST_MS = 200;
-const AT_ONCE = 5;
+// One view: a step of the slider waits for no more than what is under way.
+const AT_ONCE = 1;
 
 /** @param {LookerOptions} options */
 export function makeLooker({ reading, views, onLook, onFault, onBusy }) {

@@ -6,6 +6,7 @@
  */
 
 import { copyText } from "../components/copy.js";
+import { makeDraft } from "../address.js";
 import { messageOf } from "../../server/request.js";
 import { deletePreset, listPresets, savePreset } from "../../server/tuningApi.js";
 import { commandLine, flat, nested } from "./paramsLogic.js";
@@ -71,9 +72,12 @@ export function mountTuneTools(root, { onValues, onStatus, onRunAgain }) {
     void change(async () => {
       await savePreset({ name, method: frame.method, params: nested(values) });
       find("preset-name").value = "";
+      draft.forget();
     }, `Kept as ${name}, for everybody who uses this server.`);
   });
   let method = "";
+  const draft = makeDraft("preset", () => [find("preset-name")]);
+  find("preset-name").value = draft.read()?.[0] ?? "";
 
   return {
     /** @param {{frame: import("./workbench.js").Frame, values: Values, all: Parameter[]}} next */
