@@ -86,7 +86,8 @@ def _withdraw(counts: Votes, at: Numbers, normal: int, axes: Array) -> None:
 def _distance(counts: Votes, at: Numbers, axes: Array, b: int) -> int:
     """The cell of a line's distance from the origin; half of them are of negative ones."""
     half: int = counts.shape[1] // 2
-    return half + math.floor(at[0] * axes[b, 0] + at[1] * axes[b, 1] + 0.5)
+    rho: int = math.floor(at[0] * axes[b, 0] + at[1] * axes[b, 1] + 0.5)
+    return half + rho
 
 
 @jit
