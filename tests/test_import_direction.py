@@ -81,6 +81,7 @@ ORDER = (
     "cli/cameras",
     "cli/pads",
     "cli/bundles",
+    "cli/remote",
 )
 
 #: A folder with more modules than this is no room any more but a hall.

@@ -27,6 +27,7 @@ COMMANDS = {
     "crosstalk": "Read a photo of the test strip; frames are then un-mixed by what printer and "
     "camera do.",
     "detect": "Find the pad in frames and write their poses, one JSON object a line.",
+    "remote": "Have a server find the pad in frames, and write their poses as detect does.",
     "cameras": "List the nominal cameras that --camera takes in place of a file.",
     "readout": "Estimate how long a camera's shutter rolls, from a clip in which it shakes.",
     "calibrate": "Calibrate a camera: intrinsics and lens, from a dozen pictures of a pad or a "
@@ -49,6 +50,7 @@ _FOLDERS = {
         "pads.": ("generate", "verify", "measure", "crosstalk"),
         "cameras.": ("cameras", "readout", "calibrate"),
         "bundles.": ("bundle", "replay"),
+        "remote.": ("remote",),
     }.items()
     for command in commands
 }

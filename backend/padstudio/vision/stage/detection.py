@@ -10,7 +10,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.geometry.curvature import without_curvature
-from padstudio.geometry.pose import Pose
+from padstudio.geometry.pose import Pose, rotation_from_quaternion
 from padstudio.geometry.range_bearing import (
     Quality,
     bearing_sigma_deg,
@@ -245,10 +245,13 @@ class Detection:
 
 def pose_fields(pose: Pose) -> dict[str, Any]:
     """A pose as the JSON fields of a poses file."""
+    quaternion = pose.quaternion_xyzw.tolist()
+    # To the last digit what the quaternion says, which is all that a database keeps of it.
+    pose = Pose(pose.position_mm, rotation_from_quaternion(quaternion))
     return {
         "position_mm": pose.position_mm.tolist(),
         "rotation": pose.rotation.tolist(),
-        "quaternion_xyzw": pose.quaternion_xyzw.tolist(),
+        "quaternion_xyzw": quaternion,
         "heading_deg": pose.heading_deg,
         "tilt_deg": pose.tilt_deg,
         "euler_deg": list(pose.euler_deg),

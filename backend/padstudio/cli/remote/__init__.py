@@ -1,0 +1,1 @@
+"""Flights that a server analyses, ordered and fetched by one command."""
