@@ -274,7 +274,7 @@ def _result(piece: Piece, run: Callable[[], list[Record]]) -> list[Record]:
     except Exception as error:
         failed = defect_record(error)
     return [
-        {**about, "frame": number, **failed}
+        {"source": piece.source, "frame": number, **about, **failed}
         for number, about in zip(piece.numbers, piece.about, strict=True)
     ]
 

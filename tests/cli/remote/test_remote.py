@@ -86,13 +86,21 @@ def test_unfused_poses_of_stills_are_those_of_detect(studio: httpx.Client, tmp_p
     names = ("height_450mm.jpg", "another_pad.jpg", "height_450mm.jpg")
     for still, name in zip(stills, names, strict=True):
         still.write_bytes((SAMPLES / name).read_bytes())
+    whole = stills[0].read_bytes()
+    (tmp_path / "cut.jpg").write_bytes(whole[: len(whole) // 2])
     given = ("--pad", SAMPLES / "pad.json", "--camera", SAMPLES / "camera.yaml", tmp_path)
     here, there = run("detect", *given, "-j", 1), remote(studio, *given)
     assert here.exit_code == there.exit_code == 0, there.stderr
     assert plain(there.stdout) == plain(here.stdout)
     lines = [json.loads(line) for line in there.stdout.splitlines()]
-    assert [Path(line["source"]).name for line in lines] == ["a9.jpg", "a10.jpg", "twin.jpg"]
-    assert [line["status"] for line in lines] == ["failed", "ok", "ok"]
+    assert [Path(line["source"]).name for line in lines] == [
+        "a9.jpg",
+        "a10.jpg",
+        "cut.jpg",
+        "twin.jpg",
+    ]
+    assert [line["status"] for line in lines] == ["failed", "ok", "failed", "ok"]
+    assert f"error: {tmp_path / 'cut.jpg'}: " in there.stderr
 
 
 def test_without_any_pose_the_exit_code_is_that_of_detect(studio: httpx.Client) -> None:

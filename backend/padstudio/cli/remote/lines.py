@@ -11,18 +11,18 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from padstudio.flights.results.fusing import Fusion, fused_records, without_covariance
+from padstudio.flights.results.fusing import Fusion, fused_records
 
 Record = dict[str, Any]
 
-# The order in which `padstudio.vision.stage.detection.Detection.to_record` writes them.
+# The order in which `padstudio detect` writes them.
 _KEYS = (
     "source", "frame", "time_s", "status", "stage", "reason", "detail", "advice", "failed_at",
     "position_mm", "rotation", "quaternion_xyzw", "heading_deg", "tilt_deg", "euler_deg",
     "range_mm", "bearing", "layer", "cells_read", "cells_wrong", "log10_false_alarm",
     "reprojection_px", "ambiguity", "flatness_mm", "position_sigma_mm", "attitude_sigma_deg",
     "range_sigma_mm", "bearing_sigma_deg", "quality", "estimate", "pad_id", "findings",
-    "elapsed_ms", "damaged", "covariance", "single",
+    "frame_px", "elapsed_ms", "covariance", "topic", "stamp_ns", "damaged", "single",
 )  # fmt: skip
 _PLACES = {key: place for place, key in enumerate(_KEYS)}
 
@@ -52,26 +52,10 @@ def lines_of(
         for line in export:
             record = json.loads(line)
             place = bisect_right(firsts, record["frame"]) - 1
-            yield record | _here(record, sources[place], names[place])
+            name = names[place]
+            if sources[place]["kind"] == "stills":
+                name = f"{name}/{record['source']}"
+            yield record | {"source": name}
 
     for record in fused_records(named(), fusion):
-        yield _in_order(without_covariance(record))
-
-
-def _here(record: Record, source: Record, name: str) -> Record:
-    """Where a frame is in its file, rather than in the flight."""
-    number = record["frame"] - source["first_frame"]
-    if source["kind"] == "still":
-        return {"source": name, "frame": 0}
-    if source["kind"] == "stills":
-        return {"source": f"{name}/{record['source']}", "frame": number}
-    told: Record = {"source": name, "frame": number}
-    if record["time_s"] is not None and "time_base_s" in source:
-        unit_s = source["time_base_s"]
-        # Counted in whole units, so that no digit is lost by the way through the flight's time.
-        told["time_s"] = round((record["time_s"] - source["start_s"]) / unit_s) * unit_s
-    return told
-
-
-def _in_order(record: Record) -> Record:
-    return dict(sorted(record.items(), key=lambda item: _PLACES.get(item[0], len(_KEYS))))
+        yield dict(sorted(record.items(), key=lambda item: _PLACES.get(item[0], len(_KEYS))))

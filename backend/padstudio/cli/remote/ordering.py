@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from padstudio.cli.remote.sending import LocalFile
 from padstudio.cli.remote.server import API, Server
+from padstudio.cli.support import note
 from padstudio.errors import ConflictError, NotFoundError
 from padstudio.geometry.presets import load_camera
 from padstudio.pad.spec import Pad
@@ -36,13 +37,17 @@ def pad_on(server: Server, given: str) -> str:
     return _stored(server, "/pads/import", "pad.json", text)
 
 
-def camera_on(server: Server, given: str) -> tuple[str, bool]:
-    """Id of a camera on the server, as of `pad_on`, and whether it is nominal."""
-    if not Path(given).is_file():
+def camera_on(server: Server, given: str) -> str:
+    """Id of a camera on the server, as of `pad_on`; tells of one that is nominal."""
+    if Path(given).is_file():
+        text = load_camera(given).to_ros_yaml()
+        found = _stored(server, "/cameras", "camera.yaml", text)
+    else:
         found = _of_name(server, "cameras", given)
-        return found, bool(server.json("GET", f"/cameras/{found}").get("nominal"))
-    camera = load_camera(given)
-    return _stored(server, "/cameras", "camera.yaml", camera.to_ros_yaml()), camera.nominal
+    camera = server.json("GET", f"/cameras/{found}")
+    if camera["nominal"]:
+        note(f"camera {camera['name']}: nominal, calibrate for accuracy")
+    return found
 
 
 def order(
@@ -80,7 +85,7 @@ def order(
         "files": [file.sha256 for file in files],
         # What a pad or camera of that id holds may have changed.
         "pads": [_text(server, "pads", pad) for pad in request["pad"]],
-        "camera": _text(server, "cameras", request["camera"]),
+        "camera": _text(server, "cameras", request["camera"]) if "camera" in request else None,
         "request": dict(request),
         "anew": uuid.uuid4().hex if anew else "",
     }

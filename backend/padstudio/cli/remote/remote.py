@@ -21,7 +21,7 @@ from padstudio.cli.support import check_output, note, progress_bar
 from padstudio.errors import SpecError
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.tasks.detectors import params_from, params_of_words
-from padstudio.media.sources import find_frames, is_video
+from padstudio.media.sources import find_frames, kind_of
 
 _EXAMPLES = (
     "Examples: [bold]padstudio remote --server https://studio.example --pad pad.json --camera "
@@ -32,7 +32,7 @@ _EXAMPLES = (
 
 Frames = Annotated[
     list[str],
-    typer.Argument(help="Pictures or videos, folders, or patterns, of one flight; an SRT file."),
+    typer.Argument(help="Pictures, videos or recordings of one flight: files, folders, patterns."),
 ]
 Address = Annotated[str, typer.Option("--server", metavar="URL", help="The server's address.")]
 PadNames = Annotated[
@@ -40,7 +40,13 @@ PadNames = Annotated[
     typer.Option("--pad", help="Pad file, or a pad on the server by name or id; again for more."),
 ]
 CameraName = Annotated[
-    str, typer.Option(help="Camera file, or a camera on the server by name or id.")
+    str | None,
+    typer.Option(
+        help="Camera file, or a camera on the server by name or id; recordings may bring theirs."
+    ),
+]
+Topic = Annotated[
+    str | None, typer.Option(help="Of recordings: the topic with the pictures, if several have.")
 ]
 Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
 Exports = Annotated[
@@ -103,8 +109,9 @@ def remote(
     frames: Frames,
     server: Address,
     pad: PadNames,
-    camera: CameraName,
+    camera: CameraName = None,
     output: Output = "-",
+    topic: Topic = None,
     export: Exports = None,
     export_option: ExportOption = None,
     vehicle: Vehicle = None,
@@ -149,19 +156,21 @@ def remote(
     studio = Server(server, os.environ.get(TOKEN), patience_s=patience_s, tell=note)
     try:
         version = studio.greet()
-        camera_id, nominal = camera_on(studio, camera)
-        if nominal:
-            note(f"camera {camera}: nominal, calibrate for accuracy")
+        chosen = {
+            "camera": None if camera is None else camera_on(studio, camera),
+            "topic": topic,
+            "name": name,
+            "callback": callback,
+        }
         request: dict[str, Any] = {
             "pad": [pad_on(studio, each) for each in pad],
-            "camera": camera_id,
             "method": method,
             "params": settings,
             "stride": stride,
             "apply_rotation": apply_rotation,
             "fuse": fuse,
             "smooth": smooth,
-            **{key: value for key, value in (("name", name), ("callback", callback)) if value},
+            **{key: value for key, value in chosen.items() if value is not None},
         }
         files, uploads = _sent(studio, paths)
         flight, known = order(studio, files, uploads, request, version=version, anew=anew)
@@ -228,8 +237,15 @@ def _sent(server: Server, paths: Sequence[Path]) -> tuple[list[LocalFile], list[
 
 def _check_kinds(paths: Sequence[Path]) -> None:
     """Refuse what would make no flight, before anything is sent."""
-    kinds = {is_video(path) for path in paths if path.suffix.lower() != ".srt"}
-    if len(kinds) > 1:
+    for path in paths:
+        if path.is_dir():
+            raise SpecError(
+                f"{path}: a bag's folder is sent as one file; zip it, or give the .mcap or .db3 "
+                "in it",
+                code="bag_folder",
+            )
+    kinds = {kind_of(path) for path in paths}
+    if kinds & {"still", "stills"} and kinds & {"video", "recording"}:
         raise SpecError(
             "videos and stills do not go into one flight; give them in two calls",
             code="mixed_uploads",
