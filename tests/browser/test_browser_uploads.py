@@ -8,7 +8,8 @@ from pathlib import Path
 import cv2
 import httpx
 import numpy as np
-from browser_support import Complaints
+import recordings
+from browser_support import FOOTAGE, Complaints
 from playwright.sync_api import Page, Route, expect
 
 SLOW_MS = 120_000
@@ -123,3 +124,29 @@ def test_a_folder_of_many_stills_is_one_line(
     page.get_by_label("Choose a folder").set_input_files(folder)
     expect(page.locator("#uploads li")).to_have_count(1)
     expect(page.locator("#uploads li")).to_contain_text("9 of 9 stills sent", timeout=SLOW_MS)
+
+
+def test_a_recordings_topic_is_chosen(
+    open_page: Callable[..., Page], complaints: Complaints, tmp_path: Path, studio_url: str
+) -> None:
+    complaints.expected = {422}
+    topics = ("/down/image_raw", "/front/image_raw")
+    scene = recordings.Scene(recordings.shots(2), "compressed", topics=topics)
+    path = recordings.write_mcap(tmp_path / "two.mcap", scene)
+    pad = {"file": ("pad.json", (FOOTAGE / "pad_a.json").read_bytes())}
+    httpx.post(f"{studio_url}/api/v1/pads/import", files=pad, trust_env=False).raise_for_status()
+    page = open_page("/flights")
+    expect(page.locator("#topic-field")).to_be_hidden()
+    page.get_by_label("Choose files").set_input_files(path)
+    expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
+    page.get_by_label("Take the camera that was recorded").check()
+    page.get_by_role("button", name="Analyse").click()
+    expect(page.locator("#status")).to_contain_text("2 topics with pictures: /down/image_raw")
+    topic = page.get_by_label("Topic")
+    expect(topic).to_be_focused()
+    assert page.locator("#topics option").count() == len(topics)
+    topic.fill(topics[1])
+    page.get_by_role("button", name="Analyse").click()
+    # The recording has no calibration.
+    expect(page.locator("#status")).to_contain_text(f"no calibration beside {topics[1]}")
+    page.locator("#uploads").get_by_role("button").first.click()

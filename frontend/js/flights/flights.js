@@ -16,7 +16,7 @@
 
 import { readAddress, writeAddress } from "../shared/address.js";
 import * as api from "../server/api.js";
-import { messageOf } from "../server/request.js";
+import { ApiError, messageOf } from "../server/request.js";
 import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFlightList } from "./flightList.js";
@@ -32,7 +32,7 @@ import { makeIntake } from "../shared/intake.js";
 import { fusionValues, missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeUploadQueue } from "./uploadQueue.js";
-import { fewPictures, readyIds, totals } from "./uploadsLogic.js";
+import { fewPictures, hasTopics, mayBringCamera, readyIds, totals } from "./uploadsLogic.js";
 import { mountFooter } from "../shared/components/footer.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -123,7 +123,9 @@ function render() {
   uploadList.update({ items });
   byId("few-pictures").hidden = !fewPictures(items);
   flightList.update({ flights: state.flights, total: state.total, now: Date.now() });
-  const needed = missingOrder({ pad: state.pad, camera: state.camera, files: totals(items).total });
+  byId("topic-field").hidden = !hasTopics(items);
+  const comes = takesRecordedCamera() ? "recorded" : "";
+  const needed = missingOrder({ pad: state.pad, camera: state.camera || comes, files: totals(items).total });
   const hint = ordered ? "Starts as soon as every file is sent." : needed;
   if (byId("missing").textContent !== hint) byId("missing").textContent = hint;
   byId("start").textContent = ordered ? "Do not start" : readyIds(items) ? "Analyse" : "Analyse when sent";
@@ -137,9 +139,13 @@ function render() {
     fusion: fusionField().value === USUAL_FUSION ? null : fusionField().value,
     ...rangeFields(),
     name: byId("flight-name").value,
+    topic: byId("topic").value,
   });
   if (ordered && readyIds(items)) void start();
 }
+
+/** True where the order names no camera, as the recordings bring it. */
+const takesRecordedCamera = () => mayBringCamera(state.items) && (byId("recorded-camera").checked || !state.camera);
 
 const fusionField = () => byId("fusion").querySelector("input:checked");
 
@@ -147,6 +153,7 @@ const fusionField = () => byId("fusion").querySelector("input:checked");
 function restoreFields() {
   for (const name of Object.keys(rangeFields())) byId(name).value = address.get(name) ?? "";
   byId("flight-name").value = address.get("name") ?? "";
+  byId("topic").value = address.get("topic") ?? "";
   for (const input of byId("fusion").querySelectorAll("input")) {
     if (input.value === address.get("fusion")) input.checked = true;
   }
@@ -161,21 +168,33 @@ const rangeFields = () => ({
 
 async function start() {
   set({ ordered: false, status: { kind: "quiet", text: "Starting …" } });
-  const { camera, method } = state;
+  const { method } = state;
+  const camera = takesRecordedCamera() ? "" : state.camera;
   const pads = padIds(state);
   const pad = pads.length > 1 ? pads : state.pad;
   const name = byId("flight-name").value.trim();
   const uploads = readyIds(state.items) ?? [];
   const fusion = fusionValues(fusionField().value);
   const read = { method, ...fusion, ...rangeValues(rangeFields()) };
-  const order = { uploads, pad, camera, ...read, ...(name ? { name } : {}) };
+  const topic = hasTopics(state.items) ? byId("topic").value.trim() : "";
+  const order = {
+    uploads, pad, ...read, ...(camera ? { camera } : {}), ...(name ? { name } : {}), ...(topic ? { topic } : {}),
+  };
   try {
     const flight = await flightsApi.createFlight(order);
     queue.clear();
     location.assign(`/flights/${flight.id}`);
   } catch (error) {
     set({ status: { kind: "bad", text: messageOf(error) } });
+    if (error instanceof ApiError && Array.isArray(error.detail.topics)) offerTopics(error.detail.topics);
   }
+}
+
+/** @param {string[]} topics  of which one is to be chosen */
+function offerTopics(topics) {
+  byId("topics").replaceChildren(...topics.map((each) => new Option(each, each)));
+  byId("topic-field").hidden = false;
+  byId("topic").focus();
 }
 
 function checkRange() {

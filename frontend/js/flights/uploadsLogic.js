@@ -24,7 +24,7 @@
  */
 
 import { bytes, number } from "../shared/formatLogic.js";
-import { isPicture } from "../shared/queueLogic.js";
+import { isPicture, mayBeRecording } from "../shared/queueLogic.js";
 import { fingerprint } from "../server/tusLogic.js";
 
 /** A folder of more stills than this is one line. */
@@ -60,6 +60,18 @@ export function withFiles(items, chosen) {
   }
   return [...known.values()].sort(byName);
 }
+
+/**
+ * True where a topic may have to be chosen.
+ * @param {Pick<Item, "name">[]} items
+ */
+export const hasTopics = (items) => items.some(({ name }) => mayBeRecording(name));
+
+/**
+ * True where the camera may come with the files.
+ * @param {Pick<Item, "name">[]} items
+ */
+export const mayBringCamera = (items) => items.length > 0 && items.every(({ name }) => mayBeRecording(name));
 
 /** Of more pictures than this a flight is meant. */
 const FEW = 3;

@@ -134,6 +134,8 @@ export function tally(frames) {
  */
 export function kindOfFile(name, head) {
   if (/\.zip$/i.test(name)) return "bundle";
+  // A ROS 2 bag's folder has it beside its files.
+  if (/^metadata\.yaml$/i.test(name)) return "truth";
   if (/\.ya?ml$/i.test(name)) return "camera";
   if (/\.json$/i.test(name) && /^\s*\[/.test(head)) return "truth";
   if (/\.json$/i.test(name)) return head.includes("padstudio.pad") ? "pad" : "camera";
@@ -141,7 +143,10 @@ export function kindOfFile(name, head) {
 }
 
 /** @param {string} name of a file @returns {boolean} true where it is a video's */
-export const isVideo = (name) => /\.(mp4|m4v|mov|mkv|avi|webm|ts|mts)$/i.test(name);
+export const isVideo = (name) => /\.(mp4|m4v|mov|mkv|avi|webm|ts|mts|m2ts)$/i.test(name);
+
+/** @param {string} name of a file @returns {boolean} true where it is a robot's recording, or a zip, which may be one */
+export const mayBeRecording = (name) => /\.(bag|mcap|db3|zstd|zip)$/i.test(name);
 
 /** @param {string} name of a file @returns {boolean} true where it is a picture's */
 export const isPicture = (name) => /\.(jpe?g|png|webp|tiff?|bmp)$/i.test(name);
@@ -154,6 +159,7 @@ export const isPicture = (name) => /\.(jpe?g|png|webp|tiff?|bmp)$/i.test(name);
  */
 export function faultBeforeUpload(file, maxBytes) {
   if (isVideo(file.name ?? "")) return "This is a video. Flights reads videos, frame by frame.";
+  if (/\.(bag|mcap|db3)$/i.test(file.name ?? "")) return "This is a recording. Flights reads recordings, frame by frame.";
   if (file.size === 0) return "The file is empty. Choose a picture in JPEG, PNG, TIFF or WebP form.";
   if (maxBytes && file.size > maxBytes) {
     const mb = (/** @type {number} */ bytes) => Math.round(bytes / 1e6);

@@ -1,6 +1,6 @@
 import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/server/tusLogic.js";
 import {
-  fewPictures, fromStorage, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
+  fewPictures, fromStorage, hasTopics, mayBringCamera, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
 } from "/static/js/flights/uploadsLogic.js";
 import { contains, equal } from "./check.js";
 
@@ -13,6 +13,11 @@ export const tests = {
     const few = (...names) => fewPictures(names.map((name) => ({ name })));
     equal([few("a.jpg"), few("a.PNG", "b.tif", "c.webp")], [true, true]);
     equal([few(), few("a.mp4"), few("a.jpg", "b.srt"), few("a.jpg", "b.jpg", "c.jpg", "d.jpg")], [false, false, false, false]);
+  },
+  "recordings have topics, and may bring their camera": () => {
+    const ask = (...names) => [hasTopics, mayBringCamera].map((is) => is(names.map((name) => ({ name }))));
+    equal([ask("a.bag"), ask("a.MCAP", "b.zip")], [[true, true], [true, true]]);
+    equal([ask(), ask("a.mp4"), ask("a.mp4", "b.db3")], [[false, false], [false, false], [true, false]]);
   },
   "metadata is base64 of UTF-8": () => {
     equal(metadata({ filename: "flug ü.mp4" }), `filename ${btoa("flug \u00c3\u00bc.mp4")}`);
