@@ -2,7 +2,7 @@
  * Fetches what the views of a workbench show, the newest wish first.
  *
  * While a slider moves only the view that is looked at is fetched, quickly; once it rests, all
- * views that are not up to date, one by one. One question is under way at a time, so that the
+ * views that are not up to date, a few at a time. One question is under way at a time, so that the
  * next one is always the newest, and what became old meanwhile is never asked.
  *
  * @typedef {import("../../server/tuningApi.js").Reading} Reading
@@ -30,14 +30,16 @@ import { keyOf } from "./workbenchLogic.js";
 
 // A slider that stands still for so long rests.
 const REST_MS = 200;
-// One view: a step of the slider waits for no more than what is under way.
-const AT_ONCE = 1;
+const AT_ONCE = 5;
+// Where a slider may be moved again, its next step waits for no more than one view.
+const AT_ONCE_TUNED = 1;
 
 /** @param {LookerOptions} options */
 export function makeLooker({ reading, views, onLook, onFault, onBusy }) {
   let version = 0;
   let shown = -1;
   let isMoving = false;
+  let atOnce = AT_ONCE;
   let timer = 0;
   let isFailed = false;
   /** @type {AbortController | null} */
@@ -56,7 +58,7 @@ export function makeLooker({ reading, views, onLook, onFault, onBusy }) {
     const [first, ...rest] = views();
     if (isMoving && shown === version) return null;
     if (isMoving && first) return { views: [{ ...first, quick: true }], isQuick: true };
-    const old = [first, ...rest].filter(Boolean).filter(isOld).slice(0, AT_ONCE);
+    const old = [first, ...rest].filter(Boolean).filter(isOld).slice(0, atOnce);
     return old.length || shown !== version ? { views: old, isQuick: false } : null;
   }
 
@@ -90,6 +92,7 @@ export function makeLooker({ reading, views, onLook, onFault, onBusy }) {
       version += 1;
       isFailed = false;
       isMoving = isDragged;
+      if (isDragged) atOnce = AT_ONCE_TUNED;
       window.clearTimeout(timer);
       if (isDragged) {
         timer = window.setTimeout(() => {
@@ -114,6 +117,7 @@ export function makeLooker({ reading, views, onLook, onFault, onBusy }) {
       version += 1;
       isFailed = false;
       isMoving = false;
+      atOnce = AT_ONCE;
       void work();
     },
     /** Ask again after a fault. */
