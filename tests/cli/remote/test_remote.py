@@ -215,9 +215,23 @@ def test_what_the_server_refuses_is_one_line(studio: httpx.Client, tmp_path: Pat
     assert_one_line_error(wrong, "invalid_parameter")
     mixed = remote(studio, *GIVEN, LANDING, SAMPLES / "height_450mm.jpg")
     assert_one_line_error(mixed, "mixed_uploads")
-    unknown = remote(studio, *GIVEN, "--stride", 60, LANDING, "--export", f"dance={tmp_path / 'x'}")
-    assert unknown.exit_code == 2
-    assert not (tmp_path / "x").exists()
+
+
+def test_exports_are_looked_at_before_anything_is_sent(
+    studio: httpx.Client, tmp_path: Path
+) -> None:
+    before = uploads(studio)
+    still = tmp_path / "new.jpg"
+    still.write_bytes((SAMPLES / "height_150mm.jpg").read_bytes() + b"new")
+    file = tmp_path / "x"
+    for code, *words in (
+        ("unknown_export", f"dance={file}"),
+        ("unknown_export", f"mcap={file}", "--export-option", "pictures=true"),
+        ("vehicle_pose_required", f"px4={file}"),
+    ):
+        assert_one_line_error(remote(studio, *GIVEN, still, "--export", *words), code)
+    assert uploads(studio) == before
+    assert not file.exists()
 
 
 def test_outputs_are_looked_at_before_anything_is_sent(tmp_path: Path) -> None:

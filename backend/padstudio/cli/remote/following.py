@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 from padstudio.cli.remote.ordering import Flight
 from padstudio.cli.remote.server import Server, ServerError, error_of
@@ -49,43 +49,6 @@ def follow(server: Server, flight: Flight) -> Flight:
     return flight
 
 
-def fetch(
-    server: Server,
-    flight: str,
-    form: str,
-    path: Path,
-    options: Mapping[str, str],
-    track: bytes | None,
-) -> None:
-    """Fetch an export into a file, whole or not at all.
-
-    Parameters
-    ----------
-    server : Server
-    flight : str
-        Its id.
-    form : str
-    path : Path
-        Written over.
-    options : mapping
-        Of the query.
-    track : bytes or None
-        The vehicle's own poses, a CSV file.
-    """
-    asked: dict[str, Any] = {"params": dict(options)}
-    if track is not None:
-        asked["files"] = {"vehicle": ("vehicle.csv", track)}
-    method = "GET" if track is None else "POST"
-
-    def once(file: IO[bytes]) -> None:
-        with server.stream(method, f"/flights/{flight}/export/{form}", **asked) as answer:
-            for block in answer.iter_bytes():
-                file.write(block)
-
-    with whole_file(path) as temporary, temporary.open("wb") as file:
-        server.insist(lambda: _from_the_start(file, once))
-
-
 @contextmanager
 def frames_of(server: Server, flight: Flight) -> Iterator[Iterator[bytes]]:
     """The lines of a flight's export ``jsonl``, all of them.
@@ -102,7 +65,7 @@ def frames_of(server: Server, flight: Flight) -> Iterator[Iterator[bytes]]:
                 for block in answer.iter_bytes():
                     file.write(block)
 
-        server.insist(lambda: _from_the_start(file, once))
+        server.insist(lambda: from_the_start(file, once))
         file.seek(0)
         count = sum(1 for _ in file)
         if count != flight["frames_done"]:
@@ -132,7 +95,8 @@ def whole_file(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def _from_the_start(file: IO[bytes], write: Any) -> None:
+def from_the_start(file: IO[bytes], write: Callable[[IO[bytes]], None]) -> None:
+    """Write a file that may have been begun before."""
     file.seek(0)
     file.truncate()
     write(file)

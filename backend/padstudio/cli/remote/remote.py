@@ -12,7 +12,8 @@ from typing import IO, Annotated, Any, Literal
 import typer
 
 from padstudio.cli.outcomes import EXIT_NOTHING_FOUND, Figures, show_summary, write_record
-from padstudio.cli.remote.following import fetch, follow, frames_of, whole_file
+from padstudio.cli.remote.exporting import Exports
+from padstudio.cli.remote.following import follow, frames_of, whole_file
 from padstudio.cli.remote.lines import lines_of
 from padstudio.cli.remote.ordering import camera_on, order, pad_on
 from padstudio.cli.remote.sending import LocalFile, look_at, send
@@ -49,7 +50,7 @@ Topic = Annotated[
     str | None, typer.Option(help="Of recordings: the topic with the pictures, if several have.")
 ]
 Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
-Exports = Annotated[
+ExportWords = Annotated[
     list[str] | None,
     typer.Option(
         "--export", metavar="FORM=FILE", help="Also write the poses in a form; again for more."
@@ -112,7 +113,7 @@ def remote(
     camera: CameraName = None,
     output: Output = "-",
     topic: Topic = None,
-    export: Exports = None,
+    export: ExportWords = None,
     export_option: ExportOption = None,
     vehicle: Vehicle = None,
     method: MethodName = "dense",
@@ -147,15 +148,19 @@ def remote(
     params_from(settings)
     if smooth and not fuse:
         raise typer.BadParameter("--smooth fuses poses; it excludes --no-fuse")
-    exports = _pairs("--export", export or [])
-    options = _pairs("--export-option", export_option or [])
-    _check_outputs([*([] if output == "-" else [output]), *exports.values()], force=force)
-    track = None if vehicle is None else vehicle.read_bytes()
+    exports = Exports(
+        _pairs("--export", export or []),
+        _pairs("--export-option", export_option or []),
+        None if vehicle is None else vehicle.read_bytes(),
+    )
+    outputs = [] if output == "-" else [output]
+    _check_outputs([*outputs, *exports.files.values()], force=force)
     paths = find_frames(frames)
     _check_kinds(paths)
     studio = Server(server, os.environ.get(TOKEN), patience_s=patience_s, tell=note)
     try:
         version = studio.greet()
+        exports.check(studio)
         chosen = {
             "camera": None if camera is None else camera_on(studio, camera),
             "topic": topic,
@@ -180,9 +185,7 @@ def remote(
         names = {upload: path.as_posix() for upload, path in zip(uploads, paths, strict=True)}
         fusion: Fusion = "smooth" if smooth else "filter" if fuse else "none"
         outcomes = _write_poses(studio, flight, names, fusion, output)
-        for form, path in exports.items():
-            vehicle_track = track if form == "px4" else None
-            fetch(studio, flight["id"], form, Path(path), options, vehicle_track)
+        exports.fetch(studio, flight["id"])
     finally:
         studio.close()
     if not quiet:

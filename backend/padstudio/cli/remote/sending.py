@@ -86,19 +86,37 @@ def send(
         progress(file.size_bytes)
         named = [item for item in whole if item["name"] == file.path.name]
         return str((named or whole)[0]["id"])
-    begun = _found(server, file, taken, announced_sha256=file.sha256)
-    farthest = str(max(begun, key=lambda item: item["offset"])["id"]) if begun else None
     try:
+        if file.size_bytes <= _FIRST_BYTES:
+            progress(file.size_bytes)
+            return _send_whole(server, file)
+        begun = _found(server, file, taken, announced_sha256=file.sha256)
+        farthest = str(max(begun, key=lambda item: item["offset"])["id"]) if begun else None
         upload_id = _send(server, file, farthest, progress)
     except ServerError as error:
         if error.answered in (413, 422):
             error.message = f"{file.path}: {error.message}"
         raise
-    found = server.json("GET", f"/uploads/{upload_id}")
+    return _checked(server, file, server.json("GET", f"/uploads/{upload_id}"))
+
+
+def _checked(server: Server, file: LocalFile, found: dict[str, Any]) -> str:
+    """Id of an upload that is what was to be sent."""
     if found["sha256"] != file.sha256:
-        server.ask("DELETE", f"{API}/uploads/{upload_id}")
+        server.ask("DELETE", f"{API}/uploads/{found['id']}")
         raise _changed(file)
-    return upload_id
+    return str(found["id"])
+
+
+def _send_whole(server: Server, file: LocalFile) -> str:
+    """Send a small file with its announcement, as there may be thousands of stills."""
+    content = file.path.read_bytes()
+    if len(content) != file.size_bytes:
+        raise _changed(file)
+    headers = _announcement(file) | _headers(0, content)
+    del headers["Upload-Offset"]
+    answer = server.ask("POST", f"{API}/uploads", headers=headers, content=content)
+    return _checked(server, file, answer.json())
 
 
 def _found(
@@ -132,11 +150,15 @@ def _send(
 
 
 def _announce(server: Server, file: LocalFile) -> str:
+    answer = server.ask("POST", f"{API}/uploads", headers=_announcement(file))
+    return str(answer.json()["id"])
+
+
+def _announcement(file: LocalFile) -> dict[str, str]:
     said = {"filename": file.path.name, "sha256": file.sha256}
     pairs = (f"{name} {base64.b64encode(text.encode()).decode()}" for name, text in said.items())
-    headers = {"Upload-Length": str(file.size_bytes), "Upload-Metadata": ",".join(pairs)}
-    answer = server.ask("POST", f"{API}/uploads", headers=_TUS | headers)
-    return str(answer.json()["id"])
+    told = {"Upload-Length": str(file.size_bytes), "Upload-Metadata": ",".join(pairs)}
+    return _TUS | told
 
 
 def _send_rest(
