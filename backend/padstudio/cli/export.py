@@ -31,7 +31,7 @@ _LEFT_OUT = {"bearing": "quality bearing", "unknown": "unknown quality"}
 
 Poses = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
 FormName = Annotated[
-    Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"],
+    Literal["csv", "jsonl", "tum", "colmap", "mcap", "ros2", "ardupilot", "px4"],
     typer.Option(help="The form to write."),
 ]
 Output = Annotated[str, typer.Option("-o", "--output", help="File to write; - is stdout.")]

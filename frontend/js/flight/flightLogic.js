@@ -115,6 +115,7 @@ export const EXPORTS = [
   { form: "colmap", name: "COLMAP", about: "images.txt" },
   { form: "mcap", name: "MCAP", about: "Foxglove" },
   { form: "mcap?images=true", name: "MCAP, frames", about: "Foxglove, with pictures" },
+  { form: "ros2", name: "ROS 2 bag", about: "poses with covariance, tf" },
   { form: "ardupilot", name: "ArduPilot", about: "LANDING_TARGET" },
 ];
 

@@ -12,6 +12,7 @@ from padstudio.flights.exports.frames.records import alike
 from padstudio.flights.exports.mavlink import write_ardupilot, write_px4
 from padstudio.flights.exports.mcap_log import write_mcap
 from padstudio.flights.exports.options import ExportOptions, Record, in_blocks
+from padstudio.flights.exports.ros2_bag import write_ros2
 from padstudio.flights.exports.text_tables import write_csv, write_jsonl, write_tum
 
 
@@ -52,6 +53,12 @@ FORMS: dict[str, Form] = {
         "application/octet-stream",
         "MCAP for Foxglove: images, calibration, poses, annotations.",
     ),
+    "ros2": Form(
+        write_ros2,
+        ".ros2.zip",
+        "application/zip",
+        "ROS 2 bag, zipped: poses with covariance, transforms; full poses only.",
+    ),
     "ardupilot": Form(
         write_ardupilot,
         ".ardupilot.tlog",
@@ -67,9 +74,9 @@ FORMS: dict[str, Form] = {
 }
 
 #: Forms whose readers take every pose for true: those of another quality are left out.
-FULL_POSES_ONLY = ("tum", "colmap")
+FULL_POSES_ONLY = ("tum", "colmap", "ros2")
 #: Forms that hold frames on one clock.
-TIMED = ("tum", "mcap", "ardupilot", "px4")
+TIMED = ("tum", "mcap", "ros2", "ardupilot", "px4")
 
 
 def export(

@@ -20,7 +20,13 @@ from padstudio.flights.exports.byte_stream import ByteStream
 from padstudio.flights.exports.frames.cameras import FrameCameras
 from padstudio.flights.exports.frames.records import timed
 from padstudio.flights.exports.mcap_schemas import SCHEMAS
-from padstudio.flights.exports.options import ExportOptions, Record, full_pose_of, pose_of
+from padstudio.flights.exports.options import (
+    ExportOptions,
+    Record,
+    full_pose_of,
+    pose_of,
+    time_ns_of,
+)
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.media import content
@@ -82,7 +88,7 @@ def _write(
     }
     found = cameras.beside(timed(records), lambda item: item[0])
     for sequence, ((record, time_s), camera) in enumerate(found):
-        time_ns = round((options.start_unix_s + time_s) * 1e9)
+        time_ns = time_ns_of(record, time_s, options)
         for topic, message in _messages(record, time_ns, camera, options):
             data = json.dumps(message).encode()
             writer.add_message(channels[topic], time_ns, data, time_ns, sequence)

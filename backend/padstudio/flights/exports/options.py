@@ -155,6 +155,14 @@ def full_poses(records: Iterable[Record], form: str) -> Iterator[tuple[Record, P
     )
 
 
+def time_ns_of(record: Record, time_s: float, options: ExportOptions) -> int:
+    """A frame's time, ns: its own in a recording unless the flight's is told, else from that."""
+    stamp_ns: int | None = record.get("stamp_ns")
+    if stamp_ns is not None and not options.start_unix_s:
+        return stamp_ns
+    return round((options.start_unix_s + time_s) * 1e9)
+
+
 def in_blocks(pieces: Iterable[bytes]) -> Iterator[bytes]:
     """Join small pieces into blocks that are worth sending."""
     block = bytearray()

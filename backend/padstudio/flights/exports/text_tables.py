@@ -7,7 +7,7 @@ import io
 import json
 from collections.abc import Iterable, Iterator
 
-from padstudio.flights.exports.options import ExportOptions, Record, full_poses
+from padstudio.flights.exports.options import ExportOptions, Record, full_poses, time_ns_of
 
 #: The header says the convention: the camera in the pad frame, millimetres, degrees.
 COLUMNS = (
@@ -137,13 +137,14 @@ def write_tum(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     ----------
     https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
     """
-    since = " of Unix time" if options.start_unix_s else ""
-    header = _TUM_HEADER.format(since=since)
+    header = _TUM_HEADER
     for record, _, time_s in full_poses(records, "a TUM trajectory"):
         if header:
+            is_unix = options.start_unix_s or "stamp_ns" in record
+            header = header.format(since=" of Unix time" if is_unix else "")
             yield (header + _ESTIMATES.get(record.get("estimate", "frame"), "")).encode()
             header = ""
         position = (f"{value / 1000:.9f}" for value in record["position_mm"])
         quaternion = (f"{value:.12f}" for value in record["quaternion_xyzw"])
-        stamp = f"{options.start_unix_s + time_s:.6f}"
+        stamp = f"{time_ns_of(record, time_s, options) / 1e9:.6f}"
         yield " ".join([stamp, *position, *quaternion]).encode() + b"\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ def completed(record: Record) -> Record:
     if record["status"] != "ok" or all(name in record for name in _FIELDS):
         return record
     pose = Pose(np.array(record["position_mm"], float), np.array(record["rotation"], float))
-    covariance = _full_matrix(record.get("covariance"))
+    covariance = covariance_of(record)
     follows: Record = {"range_mm": pose.range_mm, "bearing": pose.bearing.tolist()}
     follows |= {"range_sigma_mm": None, "bearing_sigma_deg": None}
     if covariance is not None:
@@ -42,7 +41,9 @@ def completed(record: Record) -> Record:
     return follows | record
 
 
-def _full_matrix(upper: Sequence[float] | None) -> Array | None:
+def covariance_of(record: Record) -> Array | None:
+    """A record's covariance (6, 6), mm and radians; None where it holds none."""
+    upper = record.get("covariance")
     if not upper:
         return None
     matrix = np.zeros((6, 6))

@@ -27,7 +27,7 @@ from padstudio.web.server.services import (
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
-FormName = Literal["csv", "jsonl", "tum", "colmap", "mcap", "ardupilot", "px4"]
+FormName = Literal["csv", "jsonl", "tum", "colmap", "mcap", "ros2", "ardupilot", "px4"]
 _FILE: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "The file, as an attachment.",
@@ -88,7 +88,7 @@ Choices = Annotated[ExportChoices, Depends(ExportChoices)]
 @router.get(
     "/{flight_id}/export/{form}",
     operation_id="exportFlight",
-    summary="The poses as csv, jsonl, tum, colmap, mcap, ardupilot or px4",
+    summary="The poses as csv, jsonl, tum, colmap, mcap, ros2, ardupilot or px4",
     response_class=StreamingResponse,
     responses=_FILE,
 )
