@@ -12,6 +12,7 @@ from typing import Any
 
 import flight_orders
 import pytest
+import tls_certificate
 import videos
 from callback_receiver import Receiver, receiving
 from sqlalchemy import update
@@ -192,6 +193,27 @@ def test_the_address_that_was_looked_at_is_the_one_that_is_called(
     CallbackService(office.callbacks, hosts, SECRET, resolve_host=resolve).make_due()
     assert asked == [("hooks.example", receiver.port)]
     assert receiver.calls[0][1]["host"] == f"hooks.example:{receiver.port}"
+
+
+def test_tls_is_verified_for_the_name_though_the_address_is_called(
+    office: Office, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate = tls_certificate.write(tmp_path, "hooks.example")
+    monkeypatch.setenv("SSL_CERT_FILE", str(certificate))
+    with receiving(certificate) as safe:
+        names = ("hooks.example", "other.example")
+        hosts = CallbackHosts([f"{name}:{safe.port}" for name in names])
+        rows = []
+        for name in names:
+            flight = office.order(f"https://{name}:{safe.port}/")
+            office.flights.cancel(flight.id)
+            CallbackService(
+                office.callbacks, hosts, SECRET, resolve_host=lambda *_: "127.0.0.1"
+            ).make_due()
+            rows.append(office.of(flight))
+    assert [row.state for row in rows] == ["delivered", "open"]
+    assert rows[1].error == "other.example cannot be reached: ConnectError"
+    assert len(safe.calls) == 1
 
 
 def test_a_host_that_is_away_is_told_and_tried_again(office: Office) -> None:
