@@ -21,7 +21,7 @@ from padstudio.calibration.results import Calibration, CalibrationView
 from padstudio.calibration.search import MOST_STEPS, CalibrationSearch
 from padstudio.calibration.solve import Solution
 from padstudio.errors import CalibrationError
-from padstudio.geometry.projection import LensModel
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.pad.spec import Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.frame.pyramid import Pyramid

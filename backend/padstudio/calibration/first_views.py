@@ -13,8 +13,8 @@ import numpy as np
 
 from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.geometry.pose import Pose
-from padstudio.geometry.projection import LensModel
 from padstudio.pad.spec import Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.stage.detection import Detection

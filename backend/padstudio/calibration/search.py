@@ -13,8 +13,8 @@ from padstudio.calibration.patches import Patches, measure
 from padstudio.calibration.solve import UNTOLD, Freedom, Solution, rms_px, solve
 from padstudio.errors import CalibrationError
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.geometry.pose import Pose
-from padstudio.geometry.projection import LensModel
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
 

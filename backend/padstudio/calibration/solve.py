@@ -20,8 +20,8 @@ from padstudio.arrays import Array
 from padstudio.calibration.patches import Patches
 from padstudio.errors import CalibrationError, CameraFormatError
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.geometry.pose import Pose
-from padstudio.geometry.projection import LensModel
 
 #: How much of the camera is left free: focal length and one coefficient; besides these the
 #: principal point and a second one, no decentring; everything.

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from padstudio.cli.support import note
-from padstudio.geometry.presets import load_camera
+from padstudio.cli.support import NoDistortion, note, open_camera
 from padstudio.pad.coverage.advice import Envelope
 from padstudio.pad.coverage.advice import advise as advice_for
 from padstudio.pad.coverage.spans import METHOD_LIMITS
@@ -35,10 +34,11 @@ def advise(
     reach_mm: Annotated[
         float, typer.Option(help="How far off the pad's centre the camera may be at the lowest.")
     ] = 200.0,
+    no_distortion: NoDistortion = False,
 ) -> None:
     """Advise cell size, ratio of the layers and pad size for a range of heights."""
     advice = advice_for(
-        view_of(load_camera(camera)),
+        view_of(open_camera(camera, no_distortion=no_distortion)),
         Envelope(low_mm, high_mm, tilt, reach_mm),
         window=window,
         levels=levels,

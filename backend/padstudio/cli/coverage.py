@@ -9,9 +9,8 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from padstudio.cli.support import note, progress_bar
+from padstudio.cli.support import NoDistortion, note, open_camera, progress_bar
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.presets import load_camera
 from padstudio.pad.coverage.dead_bands import DeadBand, dead_bands
 from padstudio.pad.coverage.spans import METHOD_LIMITS, Span
 from padstudio.pad.coverage.spans import coverage as spans_of
@@ -60,6 +59,7 @@ def register(app: typer.Typer) -> None:
 def coverage(
     pad: PadFile,
     camera: CameraName,
+    no_distortion: NoDistortion = False,
     method: MethodName = "dense",
     tilts: Tilts = "0,30,60",
     switch_mm: Switch = None,
@@ -75,7 +75,7 @@ def coverage(
     From geometry at once; with --simulate from rendered frames too. Warns of heights between those
     that read, at which nothing does.
     """
-    the_pad, the_camera = Pad.load(pad), load_camera(camera)
+    the_pad, the_camera = Pad.load(pad), open_camera(camera, no_distortion=no_distortion)
     view, limits = view_of(the_camera), METHOD_LIMITS[method]
     angles = _numbers(tilts, "--tilts")
     spans = spans_of(the_pad, view, limits, angles)

@@ -20,7 +20,7 @@ from padstudio.cli.outcomes import (
     show_summary,
     write_record,
 )
-from padstudio.cli.support import check_output, note, progress_bar
+from padstudio.cli.support import NoDistortion, check_output, note, open_camera, progress_bar
 from padstudio.errors import StudioError
 from padstudio.flights import batch
 from padstudio.flights.results.fusing import Fusion
@@ -32,7 +32,6 @@ from padstudio.flights.tasks.detectors import (
     params_of_words,
 )
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.presets import load_camera
 from padstudio.media.sources import find_frames, kind_of
 from padstudio.pad.spec import Pad
 
@@ -108,6 +107,7 @@ def detect(
     frames: Frames,
     pad: PadFiles,
     camera: CameraName = None,
+    no_distortion: NoDistortion = False,
     output: Output = "-",
     topic: Topic = None,
     method: MethodName = "dense",
@@ -144,7 +144,10 @@ def detect(
     params_from(settings)
     fusion = _fusion(fuse, smooth)
     paths = find_frames(frames)
-    the_camera = _recorded_camera(paths, topic) if camera is None else load_camera(camera)
+    if camera is None:
+        the_camera = _recorded_camera(paths, topic)
+    else:
+        the_camera = open_camera(camera, no_distortion=no_distortion)
     recipe = _recipe(pad, the_camera, method, settings)
     pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation, topic=topic)
     with _writer(output, resume=resume, force=force) as (file, earlier):

@@ -12,13 +12,12 @@ from typing import Annotated, Literal
 import numpy as np
 import typer
 
-from padstudio.cli.support import check_output, note
+from padstudio.cli.support import NoDistortion, check_output, note, open_camera
 from padstudio.errors import StudioError
 from padstudio.flights.exports.forms import FULL_POSES_ONLY
 from padstudio.flights.exports.from_file import PosesFile, export_file
 from padstudio.flights.exports.options import ExportChoices
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
-from padstudio.geometry.presets import load_camera
 from padstudio.pad.spec import Pad
 
 _EXAMPLES = (
@@ -75,6 +74,7 @@ def export(
     form: FormName,
     output: Output = "-",
     camera: CameraName = None,
+    no_distortion: NoDistortion = False,
     pad: PadFile = None,
     pad_id: PadId = None,
     images: Images = False,
@@ -98,7 +98,7 @@ def export(
     )
     file = PosesFile(
         path=poses,
-        camera=None if camera is None else load_camera(camera),
+        camera=None if camera is None else open_camera(camera, no_distortion=no_distortion),
         pad=None if pad is None else Pad.load(pad),
         frame_px=None if frame_size is None else _size(frame_size),
     )

@@ -29,6 +29,7 @@ COMMANDS = {
     "detect": "Find the pad in frames and write their poses, one JSON object a line.",
     "remote": "Have a server find the pad in frames, and write their poses as detect does.",
     "cameras": "List the nominal cameras that --camera takes in place of a file.",
+    "camera": "Show what a camera file says, or write the camera in another form.",
     "readout": "Estimate how long a camera's shutter rolls, from a clip in which it shakes.",
     "calibrate": "Calibrate a camera: intrinsics and lens, from a dozen pictures of a pad or a "
     "short clip.",
@@ -48,7 +49,7 @@ _FOLDERS = {
     command: folder
     for folder, commands in {
         "pads.": ("generate", "verify", "measure", "crosstalk"),
-        "cameras.": ("cameras", "readout", "calibrate"),
+        "cameras.": ("cameras", "camera", "readout", "calibrate"),
         "bundles.": ("bundle", "replay"),
         "remote.": ("remote",),
     }.items()

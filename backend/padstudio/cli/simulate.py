@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from padstudio.cli.support import check_output, note, progress_bar
+from padstudio.cli.support import NoDistortion, check_output, note, open_camera, progress_bar
 from padstudio.errors import ConflictError
-from padstudio.geometry.presets import load_camera
 from padstudio.pad.spec import Pad
 from padstudio.simulate import disturbances, looks, trajectories, writer
 from padstudio.simulate.radiance.scene import Scene
@@ -72,6 +71,7 @@ def register(app: typer.Typer) -> None:
 def simulate(
     camera: CameraName,
     output: Folder,
+    no_distortion: NoDistortion = False,
     pad: PadFile = None,
     flight: Kind = "descent",
     frames: Count = 24,
@@ -117,7 +117,12 @@ def simulate(
         ground_seed=seed,
     )
     dressed, imaging = looks.dress(scene, look, seed=seed, words=with_ or ())
-    setup = Setup(scene=dressed, camera=load_camera(camera), imaging=imaging, seed=seed)
+    setup = Setup(
+        scene=dressed,
+        camera=open_camera(camera, no_distortion=no_distortion),
+        imaging=imaging,
+        seed=seed,
+    )
     film = codec if flight in trajectories.VIDEO_KINDS and not stills else None
     truth = _write(output, course, setup, film)
     note(f"{output}: {len(course)} frames, the true poses in {truth.relative_to(output)}")

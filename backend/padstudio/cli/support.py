@@ -8,13 +8,21 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from padstudio.errors import ConflictError, NotFoundError, StudioError
 
+if TYPE_CHECKING:
+    from padstudio.geometry.camera import Camera
+
+#: Of every command that takes a camera file.
+NoDistortion = Annotated[
+    bool,
+    typer.Option("--no-distortion", help="The lens has none, and the camera file is silent of it."),
+]
 #: Exit code of a wrong command line or input, as the shell's and click's own.
 EXIT_USAGE = 2
 #: Exit code of a program ended by Ctrl-C: 128 and the signal's number.
@@ -80,6 +88,24 @@ def show_error(message: str, code: str) -> None:
 def note(message: str) -> None:
     """Write a line for people to stderr; stdout is for data."""
     print(message, file=sys.stderr)
+
+
+def open_camera(name: str, *, no_distortion: bool) -> Camera:
+    """The camera of a file or a preset's id; what a user must know of it goes to stderr.
+
+    Raises
+    ------
+    CameraFormatError
+        As `padstudio.geometry.camera.Camera.load`.
+    """
+    from padstudio.geometry.lens_fold import fold_note
+    from padstudio.geometry.presets import load_camera
+
+    camera = load_camera(name, no_distortion=no_distortion)
+    for each in (*camera.notes, fold_note(camera)):
+        if each:
+            note(f"camera {camera.name}: {each}")
+    return camera
 
 
 def check_output(path: Path, *, force: bool) -> None:

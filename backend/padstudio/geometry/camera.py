@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError, CameraMismatchError
 from padstudio.geometry import projection
-from padstudio.geometry.projection import Lens, LensModel
+from padstudio.geometry.camera_files.parts.fields import Asked, CameraFields, LensModel, naming
+from padstudio.geometry.projection import Lens
 
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
 # Two aspect ratios count as one when they differ by less than one pixel row in a thousand.
@@ -47,6 +48,8 @@ class Camera:
         1.0, or the factor by which `for_frame` scaled a calibration made at another size.
     readout_ms : float or None
         From the first row's exposure to the last row's; 0 is a global shutter, None is unknown.
+    notes : tuple of str
+        What a user must know of how its file was read.
     """
 
     width: int
@@ -58,6 +61,7 @@ class Camera:
     nominal: bool = False
     scale: float = 1.0
     readout_ms: float | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         matrix = np.array(self.matrix, float)
@@ -91,22 +95,41 @@ class Camera:
         object.__setattr__(self, "distortion", distortion)
 
     @classmethod
-    def load(cls, path: str | Path) -> Camera:
-        """Read a camera file (ROS, OpenCV, Kalibr or PhotonVision).
+    def load(
+        cls, path: str | Path, *, no_distortion: bool = False, which: str | None = None
+    ) -> Camera:
+        """Read a camera file of any form that is read (docs/camera-files.md).
+
+        Parameters
+        ----------
+        path : str or Path
+        no_distortion : bool
+            The lens has none; only where the file holds no distortion either.
+        which : str, optional
+            Of a file of several cameras, the name or number of the one that is meant.
 
         Raises
         ------
         CameraFormatError
-            If it cannot be read or is none of these, naming what is wrong and where.
+            If it cannot be read, is of no such form, or says anything of the lens that is not
+            understood, naming what is wrong and where.
         """
         # The reader of YAML takes a tenth of all imports, and many cameras come from no file.
-        from padstudio.geometry import camera_files
+        from padstudio.geometry.camera_files import reading
 
         path = Path(path)
-        return cls.loads(camera_files.read(path), path.name)
+        data = reading.read(path)
+        return cls.loads(data, path.name, no_distortion=no_distortion, which=which)
 
     @classmethod
-    def loads(cls, data: bytes | str, name: str = "camera file") -> Camera:
+    def loads(
+        cls,
+        data: bytes | str,
+        name: str = "camera file",
+        *,
+        no_distortion: bool = False,
+        which: str | None = None,
+    ) -> Camera:
         """Read a camera from a file's content.
 
         Parameters
@@ -114,16 +137,18 @@ class Camera:
         data : bytes or str
         name : str
             The file's name; messages start with it, and a camera without a name takes its stem.
+        no_distortion, which
+            As of `load`.
 
         Raises
         ------
         CameraFormatError
             As `load`.
         """
-        from padstudio.geometry import camera_files
+        from padstudio.geometry.camera_files import reading
 
-        fields = camera_files.parse(data, name)
-        with camera_files.naming(name):
+        fields = reading.parse(data, name, Asked(no_distortion, which))
+        with naming(name):
             return cls(**fields._asdict())
 
     def save(self, path: str | Path) -> None:
@@ -137,11 +162,29 @@ class Camera:
         same lens. The keys ``nominal`` and ``readout_ms`` stand where they say something; ROS
         ignores them.
         """
-        from padstudio.geometry import camera_files
+        return self.to_form("ros")
 
-        fields = (self.width, self.height, self.matrix, self.distortion, self.model)
-        said = (self.name, self.nominal, self.readout_ms)
-        return camera_files.ros_yaml(camera_files.CameraFields(*fields, *said))
+    def to_form(self, form: str) -> str:
+        """The camera as a file of another program, which `loads` reads back.
+
+        Parameters
+        ----------
+        form : {"ros", "opencv", "kalibr", "colmap"}
+
+        Raises
+        ------
+        CameraFormatError
+            If the form has no such lens.
+        """
+        from padstudio.geometry.camera_files import writing
+
+        return writing.write(self.fields, form)
+
+    @property
+    def fields(self) -> CameraFields:
+        """What files say of the camera."""
+        lens = (self.width, self.height, self.matrix, self.distortion, self.model)
+        return CameraFields(*lens, self.name, self.nominal, self.readout_ms, self.notes)
 
     @property
     def distorted(self) -> bool:

@@ -61,11 +61,24 @@ class Preset:
     note: str = NOTE
 
 
-def load_camera(name: str) -> Camera:
-    """The camera of a camera file, or of a preset's id; a file of that name wins."""
-    if name.startswith(_PREFIX) and not Path(name).exists():
-        return get(name).camera
-    return Camera.load(name)
+def load_camera(name: str, *, no_distortion: bool = False) -> Camera:
+    """The camera of a camera file, or of a preset's id; a file of that name wins.
+
+    Parameters
+    ----------
+    name : str
+        Of a file of several cameras, ``FILE#NAME`` is the one of that name or number.
+    no_distortion : bool
+        As of `Camera.load`; presets have none.
+    """
+    which = None
+    if not Path(name).exists():
+        if name.startswith(_PREFIX):
+            return get(name).camera
+        file, mark, chosen = name.rpartition("#")
+        if mark and Path(file).exists():
+            name, which = file, chosen
+    return Camera.load(name, no_distortion=no_distortion, which=which)
 
 
 def get(preset_id: str) -> Preset:

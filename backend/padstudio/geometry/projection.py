@@ -13,7 +13,7 @@ conventional, wide-angle, and fish-eye lenses. doi:10.1109/TPAMI.2006.153
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,9 +30,6 @@ NEAREST = 1e-6
 _MOST_STEPS, _TINY, _EXACT = 15, 1e-6, 1e-18
 # Rays of a fisheye at 90 degrees and beyond count as this near to it: they miss the plane z = 1.
 _STEEPEST = math.pi / 2 - 1e-6
-
-
-LensModel = Literal["radtan", "fisheye"]
 
 
 class Lens(NamedTuple):

@@ -13,7 +13,7 @@ from padstudio.calibration.pictures import residual_picture
 from padstudio.calibration.record import record
 from padstudio.calibration.sources import DecodedInTurn, read_pictures
 from padstudio.errors import ConflictError
-from padstudio.geometry.projection import LensModel
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.pad.spec import Pad
 from padstudio.workers.inside import checkpoint
 

@@ -9,6 +9,7 @@
  * @property {string} pad  chosen
  * @property {string} lens
  * @property {{stored: CameraSummary[] | null, presets: CameraSummary[]}} cameras
+ * @property {string} form  in which cameras are saved
  * @property {import("./calibrationRun.js").PictureFile[]} files
  * @property {boolean} sending
  * @property {Calibration | null} job
@@ -25,15 +26,16 @@ import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFooter } from "../shared/components/footer.js";
 import { mountStatus } from "../shared/components/status.js";
+import { kindOfFile } from "../shared/queueLogic.js";
 import { padGroups, padNote } from "../shared/readingLogic.js";
 import { mountCalibrationResult } from "./components/calibrationResult.js";
+import { mountCameraFiles } from "./components/cameraFiles.js";
 import { mountCameraList } from "./components/cameraList.js";
 import { mountPictureFiles } from "./components/pictureFiles.js";
 import { isAtWork, missingInWords, progressInWords } from "./calibrationLogic.js";
 import { makeCalibrationRun } from "./calibrationRun.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
-const CAMERA_FILE = /\.(ya?ml|json)$/i;
 const address = readAddress();
 
 /** @type {State} */
@@ -42,6 +44,7 @@ const state = {
   pad: address.get("pad") ?? "",
   lens: address.get("lens") ?? "auto",
   cameras: { stored: null, presets: [] },
+  form: "ROS",
   files: [],
   sending: false,
   job: null,
@@ -62,6 +65,7 @@ const result = mountCalibrationResult(byId("result"), {
   onPicture: (picture) => set({ picture }),
 });
 const cameras = mountCameraList(byId("stored"));
+const cameraFiles = mountCameraFiles(byId("camera-files"), { onForm: (form) => set({ form }) });
 const status = mountStatus(byId("status"));
 const run = makeCalibrationRun({
   onFiles: (files) => set({ files }),
@@ -88,7 +92,8 @@ function render() {
   padChoice.update({ groups: padGroups(pads), chosen: pad, note: padNote(found) });
   files.update(state);
   result.update(state);
-  cameras.update(state.cameras);
+  cameras.update(state.cameras, state.form);
+  cameraFiles.update(state);
   byId("lens").value = state.lens;
   const lacks = missingInWords({ pad, files: state.files.length });
   byId("missing").textContent = isBusy ? "" : lacks;
@@ -123,8 +128,9 @@ async function importPad(file) {
 
 /** @param {File} file */
 async function importCamera(file) {
-  const { name } = await api.importCamera(file);
-  set({ cameras: await api.listCameras(), status: { kind: "ok", text: `Imported the camera “${name}”.` } });
+  const { name, note } = await cameraFiles.send(file);
+  const text = `Imported the camera “${name}”.${note ? ` Note: ${note}.` : ""}`;
+  set({ cameras: await api.listCameras(), status: { kind: note ? "warn" : "ok", text } });
 }
 
 /** @param {{name: string | null, readout_ms: number | null}} wanted */
@@ -152,7 +158,7 @@ byId("camera-file").addEventListener("change", () => {
 });
 mountDropZone(byId("drop-zone"), {
   onFiles: (chosen) => {
-    const camera = chosen.length === 1 && CAMERA_FILE.test(chosen[0].name);
+    const camera = chosen.length === 1 && kindOfFile(chosen[0].name, "") === "camera";
     if (camera) void attempt(() => importCamera(chosen[0]));
     else run.add(chosen);
   },

@@ -86,8 +86,26 @@ export async function listCameras() {
   return { presets: presets.items, stored: stored.items };
 }
 
-/** @param {File} file @returns {Promise<CameraSummary>} */
-export const importCamera = (file) => request("POST", "/cameras", { form: { file } });
+/**
+ * @typedef {object} CameraImport
+ * @property {boolean} noDistortion  the lens has none, and the file is silent of it
+ * @property {string} which  of a file of several cameras, the one; empty where there is one
+ *
+ * @param {File} file @param {CameraImport} [said] @returns {Promise<CameraSummary>}
+ */
+export const importCamera = (file, { noDistortion = false, which = "" } = { noDistortion: false, which: "" }) =>
+  request("POST", "/cameras", { form: { file, no_distortion: String(noDistortion), camera: which } });
+
+/** Forms in which cameras are saved, and their files. @type {Record<string, string>} */
+export const CAMERA_FORMS = {
+  ROS: "camera.yaml",
+  OpenCV: "opencv.yaml",
+  Kalibr: "kalibr.yaml",
+  COLMAP: "cameras.txt",
+};
+
+/** @param {string} id @param {string} file  of `CAMERA_FORMS` */
+export const cameraFileUrl = (id, file) => ROOT + path`/cameras/${id}/files/${file}`;
 
 /**
  * Say how long a camera's shutter rolls; a preset stays as it is, and a copy is stored.

@@ -56,6 +56,3 @@ export const storeCamera = (id, wanted) => request("POST", path`/calibrations/${
 
 /** @param {string} id @param {number} number */
 export const residualPictureUrl = (id, number) => ROOT + path`/calibrations/${id}/pictures/` + `${number}.webp`;
-
-/** @param {string} id of a stored camera or a preset */
-export const cameraFileUrl = (id) => ROOT + path`/cameras/${id}/files/camera.yaml`;

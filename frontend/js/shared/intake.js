@@ -46,9 +46,9 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onBundle, onSta
 
   /** @param {File} file */
   async function importCamera(file) {
-    const { id, name } = await api.importCamera(file);
+    const { id, name, note } = await api.importCamera(file);
     onCamera(id, await api.listCameras());
-    return `Added the camera “${name}”.`;
+    return `Added the camera “${name}”.${note ? ` Note: ${note}.` : ""}`;
   }
 
   async function importSample() {

@@ -136,7 +136,7 @@ export function kindOfFile(name, head) {
   if (/\.zip$/i.test(name)) return "bundle";
   // A ROS 2 bag's folder has it beside its files.
   if (/^metadata\.yaml$/i.test(name)) return "truth";
-  if (/\.ya?ml$/i.test(name)) return "camera";
+  if (/\.(ya?ml|xml|txt|cameramodel)$/i.test(name)) return "camera";
   if (/\.json$/i.test(name) && /^\s*\[/.test(head)) return "truth";
   if (/\.json$/i.test(name)) return head.includes("padstudio.pad") ? "pad" : "camera";
   return "image";

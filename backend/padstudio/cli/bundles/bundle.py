@@ -10,14 +10,13 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from padstudio.cli.support import check_output, note
+from padstudio.cli.support import NoDistortion, check_output, note, open_camera
 from padstudio.errors import ImageError, LimitError
 from padstudio.flights import batch
 from padstudio.flights.bundles.contents import Bundle, pack
 from padstudio.flights.bundles.making import Beside, RunFrame, Wish, bundle_run, bundle_still
 from padstudio.flights.tasks.detectors import Recipe, params_from, params_of_words
 from padstudio.flights.tasks.frames import FramesTask, VideoPart
-from padstudio.geometry.presets import load_camera
 from padstudio.media import images
 from padstudio.media.sources import kind_of
 from padstudio.pad.spec import Pad
@@ -53,6 +52,7 @@ def bundle(
     pad: PadFiles,
     camera: CameraName,
     output: Output,
+    no_distortion: NoDistortion = False,
     frame: FrameNumber = None,
     stride: Stride = 1,
     apply_rotation: Rotation = True,
@@ -71,7 +71,13 @@ def bundle(
     params_from(params)
     first, *others = (Pad.load(each).dumps() for each in pad)
     texts = json.dumps(params, sort_keys=True)
-    recipe = Recipe(first, load_camera(camera).to_ros_yaml(), method, texts, tuple(others))
+    recipe = Recipe(
+        first,
+        open_camera(camera, no_distortion=no_distortion).to_ros_yaml(),
+        method,
+        texts,
+        tuple(others),
+    )
     if kind_of(source) in ("video", "recording"):
         if frame is None:
             raise typer.BadParameter(f"{source.name} is a video: say which frame with --frame")

@@ -16,7 +16,7 @@ from padstudio.calibration.record import record
 from padstudio.calibration.results import Calibration
 from padstudio.calibration.sources import DecodedInTurn, NamedPicture, read_pictures
 from padstudio.cli.support import check_output, note, progress_bar, show_table
-from padstudio.geometry.projection import LensModel
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.media.sources import find_frames
 from padstudio.pad.spec import Pad
 

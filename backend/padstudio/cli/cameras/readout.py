@@ -10,9 +10,8 @@ from typing import Annotated
 import typer
 
 from padstudio.arrays import Image, YuvFrame
-from padstudio.cli.support import check_output, note, progress_bar
+from padstudio.cli.support import NoDistortion, check_output, note, open_camera, progress_bar
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.presets import load_camera
 from padstudio.media.video_frames import read_frames
 from padstudio.media.video_index import read_index
 from padstudio.pad.spec import Pad
@@ -35,6 +34,7 @@ def readout(
     camera: Annotated[
         str, typer.Option(help="Camera file, or a preset's id (see: padstudio cameras).")
     ],
+    no_distortion: NoDistortion = False,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Camera file to write, with the readout time in it."),
@@ -51,7 +51,7 @@ def readout(
     """
     if output is not None:
         check_output(output, force=force)
-    the_camera = load_camera(camera)
+    the_camera = open_camera(camera, no_distortion=no_distortion)
     found = _estimate(clip, Pad.load(pad), replace(the_camera, readout_ms=None), frames)
     typer.echo(f"{found.readout_ms:.2f} ms ± {found.sigma_ms:.2f} ms, from {found.frames} frames")
     if output is not None:

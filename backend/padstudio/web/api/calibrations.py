@@ -12,7 +12,7 @@ from fastapi.concurrency import run_in_threadpool
 from padstudio.calibration.calibrate import MOST_PICTURES
 from padstudio.errors import ConflictError, LimitError, NotFoundError, SpecError
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.projection import LensModel
+from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.store.database.data_folder import remove
 from padstudio.store.store import Store
 from padstudio.web.api.cameras import store_camera

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 
 from padstudio.errors import ConflictError
 from padstudio.geometry import presets
 from padstudio.geometry.camera import MAX_READOUT_MS, Camera
+from padstudio.geometry.lens_fold import fold_note
 from padstudio.store.store import Store, Stored
 from padstudio.web.schemas.base import CameraList, CameraReadout, CameraSummary, NewName
 from padstudio.web.server.services import (
@@ -29,17 +30,29 @@ from padstudio.workers import thumbnails
 
 router = APIRouter(prefix="/cameras", tags=["cameras"], responses=ERRORS)
 
-_YAML = "application/yaml"
-_YAML_EXAMPLE: dict[int | str, dict[str, Any]] = {
+_YAML, _TEXT = "application/yaml", "text/plain"
+_FILE_EXAMPLES: dict[int | str, dict[str, Any]] = {
     200: {
-        "description": "A ROS camera_info file, as an attachment.",
+        "description": "The camera file, as an attachment.",
         "content": {
             _YAML: {
                 "schema": {"type": "string"},
                 "example": "image_width: 2720\nimage_height: 1530\n",
-            }
+            },
+            _TEXT: {
+                "schema": {"type": "string"},
+                "example": "1 PINHOLE 2720 1530 1886.0 1886.0 1360.0 765.0\n",
+            },
         },
     }
+}
+CameraFile = Literal["camera.yaml", "opencv.yaml", "kalibr.yaml", "cameras.txt"]
+# The form of each file, its type, and what its name ends with when it is saved.
+_FILES: dict[CameraFile, tuple[str, str, str]] = {
+    "camera.yaml": ("ros", _YAML, ".yaml"),
+    "opencv.yaml": ("opencv", _YAML, ".opencv.yaml"),
+    "kalibr.yaml": ("kalibr", _YAML, ".kalibr.yaml"),
+    "cameras.txt": ("colmap", _TEXT, ".cameras.txt"),
 }
 
 
@@ -74,7 +87,8 @@ def list_cameras(
 )
 def import_camera(
     file: Annotated[
-        UploadFile, File(description="ROS, OpenCV, Kalibr or PhotonVision calibration.")
+        UploadFile,
+        File(description="A calibration of ROS, OpenCV, Kalibr, PhotonVision, COLMAP, …"),
     ],
     shared: Shared,
     response: Response,
@@ -89,14 +103,26 @@ def import_camera(
             description="Instead of the file's: first row to last row; 0 for a global shutter.",
         ),
     ] = None,
+    no_distortion: Annotated[
+        bool, Form(description="The lens has none, and the file is silent of it.")
+    ] = False,
+    camera: Annotated[
+        str | None,
+        Form(max_length=200, description="Of a file of several cameras, the name of the one."),
+    ] = None,
 ) -> CameraSummary:
     check_size(file.size, shared.settings.max_camera_bytes, "camera file")
-    camera = Camera.loads(file.file.read(), file_name(file, "camera file"))
+    found = Camera.loads(
+        file.file.read(),
+        file_name(file, "camera file"),
+        no_distortion=no_distortion,
+        which=camera or None,
+    )
     if name and name.strip():
-        camera = replace(camera, name=name.strip())
+        found = replace(found, name=name.strip())
     if readout_ms is not None:
-        camera = replace(camera, readout_ms=readout_ms)
-    return store_camera(shared, camera, response)
+        found = replace(found, readout_ms=readout_ms)
+    return store_camera(shared, found, response)
 
 
 @router.get("/{camera_id}", operation_id="getCamera", summary="A stored or preset camera")
@@ -135,10 +161,11 @@ def get_camera_thumbnail(camera_id: ItemId, shared: Shared) -> Response:
 )
 def set_camera_readout(camera_id: ItemId, given: CameraReadout, shared: Shared) -> CameraSummary:
     cameras = shared.store.cameras
-    camera = Camera.loads(camera_text(shared.store, camera_id))
-    camera = replace(camera, readout_ms=given.readout_ms)
-    summary = describe_camera(camera, "")
-    if camera_id in presets.PRESETS:
+    known = find_camera(shared.store, camera_id)
+    camera = replace(Camera.loads(known.content or ""), readout_ms=given.readout_ms)
+    is_preset = camera_id in presets.PRESETS
+    summary = describe_camera(camera, "" if is_preset else known.summary["note"])
+    if is_preset:
         stored = cameras.add(camera.to_ros_yaml(), summary)
     else:
         stored = cameras.replace(camera_id, camera.to_ros_yaml(), summary)
@@ -154,21 +181,25 @@ def delete_camera(camera_id: ItemId, shared: Shared) -> None:
 
 
 @router.get(
-    "/{camera_id}/files/camera.yaml",
+    "/{camera_id}/files/{file}",
     operation_id="getCameraFile",
-    summary="A camera as ROS camera_info YAML",
+    summary="A camera as a file of ROS, OpenCV, Kalibr or COLMAP",
     response_class=Response,
-    responses=_YAML_EXAMPLE,
+    responses=_FILE_EXAMPLES,
 )
-def get_camera_file(camera_id: ItemId, shared: Shared) -> Response:
+def get_camera_file(camera_id: ItemId, file: CameraFile, shared: Shared) -> Response:
     name = get_camera(camera_id, shared).name
     content = camera_text(shared.store, camera_id)
-    return Response(content, media_type=_YAML, headers=attachment(name, ".yaml"))
+    form, media_type, ending = _FILES[file]
+    if form != "ros":
+        content = Camera.loads(content).to_form(form)
+    return Response(content, media_type=media_type, headers=attachment(name, ending))
 
 
 def store_camera(shared: Services, camera: Camera, response: Response) -> CameraSummary:
     """Store a camera, and answer 200 where it was stored already."""
-    stored = shared.store.cameras.add(camera.to_ros_yaml(), describe_camera(camera, ""))
+    note = "; ".join(each for each in (*camera.notes, fold_note(camera)) if each)
+    stored = shared.store.cameras.add(camera.to_ros_yaml(), describe_camera(camera, note))
     tell_known(stored, response)
     return _summary(stored)
 

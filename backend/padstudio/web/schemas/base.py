@@ -295,7 +295,7 @@ class CameraSummary(BaseModel):
     readout_ms: float | None = Field(
         None, description="First row to last row; 0 is a global shutter, null is unknown."
     )
-    note: str
+    note: str = Field(description="What its user must know of it, or empty.")
     created_at: datetime | None = Field(None, description="null for presets.")
 
 

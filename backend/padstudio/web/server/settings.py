@@ -102,7 +102,9 @@ class Settings(BaseSettings):
     max_bundle_bytes: int = Field(
         256 * MB, ge=1000, le=512 * MB, description="Largest bundle of a frame."
     )
-    max_camera_bytes: int = Field(4 * MB, ge=1000, description="Largest camera file.")
+    max_camera_bytes: int = Field(
+        32 * MB, ge=1000, le=32 * MB, description="Largest camera file, with its snapshots."
+    )
     # Pillow warns above 89 megapixels by itself, hence the upper end.
     max_image_pixels: int = Field(
         50_000_000, ge=10_000, le=80_000_000, description="Most pixels of an uploaded image."

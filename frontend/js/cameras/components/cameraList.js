@@ -4,7 +4,7 @@
  * @typedef {import("../../server/api.js").CameraSummary} CameraSummary
  */
 
-import { cameraFileUrl } from "../../server/calibrationApi.js";
+import { CAMERA_FORMS, cameraFileUrl } from "../../server/api.js";
 import { keyedRows } from "../../shared/components/keyedRows.js";
 import { moment, number } from "../../shared/formatLogic.js";
 
@@ -19,25 +19,43 @@ export function mountCameraList(root) {
         part("note").textContent = row.note;
         part("open").title = "Use it on Diagnose";
         /** @type {HTMLAnchorElement} */ (part("open")).href = row.href;
-        /** @type {HTMLAnchorElement} */ (part("file")).href = cameraFileUrl(row.key);
-        part("file").setAttribute("aria-label", `Download ${row.name} as ROS YAML`);
+        const file = /** @type {HTMLAnchorElement} */ (part("file"));
+        file.hidden = !row.file;
+        file.href = row.file;
+        file.textContent = row.form;
+        file.setAttribute("aria-label", `Download ${row.name} as of ${row.form}`);
       },
     }),
   );
 
   return {
-    /** @param {{stored: CameraSummary[] | null, presets: CameraSummary[]}} cameras  null before they are known */
-    update({ stored, presets }) {
+    /**
+     * @param {{stored: CameraSummary[] | null, presets: CameraSummary[]}} cameras  null before they are known
+     * @param {string} form  in which they are saved
+     */
+    update({ stored, presets }, form) {
       find("empty").hidden = stored?.length !== 0;
-      lists[0].update((stored ?? []).map(rowOf));
-      lists[1].update(presets.map(rowOf));
+      lists[0].update((stored ?? []).map((camera) => rowOf(camera, form)));
+      lists[1].update(presets.map((camera) => rowOf(camera, form)));
     },
   };
 }
 
-/** @param {CameraSummary} camera */
-function rowOf({ id, name, width, height, focal_px: focal, model, created_at: made }) {
+/** @param {CameraSummary} camera @param {string} form */
+function rowOf(camera, form) {
+  const { id, name, width, height, focal_px: focal, model, created_at: made, note } = camera;
   const parts = [`${width} × ${height} px`, `focal length ${number(focal)} px`, ...(model === "fisheye" ? ["fisheye"] : [])];
-  if (made) parts.push(moment(made));
-  return { key: id, name, note: parts.join(" · "), href: `/diagnose?camera=${encodeURIComponent(id)}` };
+  if (made) parts.push(moment(made), ...(note ? [note] : []));
+  return {
+    key: id,
+    name,
+    note: parts.join(" · "),
+    href: `/diagnose?camera=${encodeURIComponent(id)}`,
+    form,
+    file: canBeSaved(camera, form) ? cameraFileUrl(id, CAMERA_FORMS[form]) : "",
+  };
 }
+
+/** Kalibr has no radial-tangential lens of more than four coefficients. @param {CameraSummary} camera @param {string} form */
+const canBeSaved = ({ model, distortion }, form) =>
+  form !== "Kalibr" || model === "fisheye" || !distortion.slice(4).some(Boolean);

@@ -1,0 +1,1 @@
+"""What the forms of camera files share: text to plain values, numbers, keys, lens names."""

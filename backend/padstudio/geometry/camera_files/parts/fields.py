@@ -1,0 +1,130 @@
+"""What a camera file says, whatever its form, and what the user says beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Literal, NamedTuple, TypeVar
+
+from padstudio.arrays import Array
+from padstudio.errors import CameraFormatError
+from padstudio.geometry.camera_files.parts.values import one_number, whole_size
+
+Data = Mapping[str, Any]
+LensModel = Literal["radtan", "fisheye"]
+ItemT = TypeVar("ItemT")
+
+#: Code of the refusal of a file of several cameras, of which none was chosen.
+SEVERAL = "several_cameras"
+
+
+class Asked(NamedTuple):
+    """What the user says of a camera file.
+
+    Attributes
+    ----------
+    no_distortion : bool
+        The lens has none, where the file is silent.
+    which : str or None
+        Of a file of several cameras, the one that is meant.
+    """
+
+    no_distortion: bool = False
+    which: str | None = None
+
+
+class CameraFields(NamedTuple):
+    """What a file says of a camera, in the order and meaning of `Camera`'s attributes."""
+
+    width: int
+    height: int
+    matrix: Array
+    distortion: Array
+    model: LensModel
+    name: str
+    nominal: bool = False
+    readout_ms: float | None = None
+    notes: tuple[str, ...] = ()
+
+
+class LensFields(NamedTuple):
+    """A lens model and its coefficients, as of `Camera`."""
+
+    model: LensModel
+    coefficients: Array
+
+
+def camera_fields(
+    size: Any,
+    matrix: Array,
+    lens: LensFields,
+    name: str,
+    *,
+    nominal: bool = False,
+    readout: Any = None,
+) -> CameraFields:
+    """Fields of a camera, if they go together.
+
+    Raises
+    ------
+    CameraFormatError
+        If the matrix has skew, or its principal point lies outside the picture.
+    """
+    width, height = whole_size(size, "image size")
+    if matrix[0, 1] or matrix[1, 0]:
+        raise CameraFormatError("the camera matrix has skew; calibrate without it")
+    if not (-0.5 <= matrix[0, 2] < width and -0.5 <= matrix[1, 2] < height):
+        raise CameraFormatError(
+            f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) lies outside the picture of "
+            f"{width} x {height}; matrix and size are not of one calibration"
+        )
+    return CameraFields(
+        width=width,
+        height=height,
+        matrix=matrix,
+        distortion=lens.coefficients,
+        model=lens.model,
+        name=name[:200],
+        nominal=nominal,
+        readout_ms=None if readout is None else one_number(readout, "readout_ms"),
+    )
+
+
+def choose(cameras: Mapping[str, ItemT], asked: Asked) -> tuple[str, ItemT]:
+    """The camera that is meant, of one file's, by name.
+
+    Raises
+    ------
+    CameraFormatError
+        ``several_cameras`` if none was chosen of several; also if there is none of that name.
+    """
+    names = ", ".join(list(cameras)[:20])
+    if asked.which is not None:
+        if asked.which not in cameras:
+            raise CameraFormatError(f"holds no camera {asked.which!r}; it holds {names}")
+        return asked.which, cameras[asked.which]
+    if len(cameras) > 1:
+        raise CameraFormatError(
+            f"holds {len(cameras)} cameras ({names}); choose one: FILE#{next(iter(cameras))} on "
+            "the command line, camera in REST, Which camera on the Cameras page",
+            code=SEVERAL,
+            detail={"cameras": list(cameras)[:1000]},
+        )
+    return next(iter(cameras.items()))
+
+
+def refuse_choice(asked: Asked) -> None:
+    """Refuse a choice of camera where a file's form holds one without a name."""
+    if asked.which is not None:
+        raise CameraFormatError(f"holds one camera; leave out the choice of {asked.which!r}")
+
+
+@contextmanager
+def naming(name: str) -> Iterator[None]:
+    """Lets the messages of camera errors start with a file's name."""
+    try:
+        yield
+    except CameraFormatError as error:
+        raise CameraFormatError(
+            f"{name}: {error.message}", code=error.error_code, detail=error.detail
+        ) from error
