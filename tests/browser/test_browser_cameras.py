@@ -104,3 +104,20 @@ def test_a_camera_file_is_imported(cameras: Page, complaints: Complaints) -> Non
     expect(cameras.locator("#stored .camera-item").first).to_be_visible()
     cameras.get_by_label("Import a camera file").set_input_files(PAD_FILE)
     expect(cameras.locator("#status")).to_have_class(re.compile("notice-bad"))
+
+
+def test_a_lens_without_distortion_is_ticked(
+    cameras: Page, complaints: Complaints, tmp_path: Path
+) -> None:
+    complaints.expected = {422}
+    silent = tmp_path / "silent.yaml"
+    silent.write_text("width: 640\nheight: 480\nK: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n")
+    cameras.get_by_label("Import a camera file").set_input_files(silent)
+    expect(cameras.locator("#status")).to_contain_text("the tick on the Cameras page")
+    cameras.get_by_label("The lens has no distortion").check()
+    cameras.get_by_label("Import a camera file").set_input_files(silent)
+    expect(cameras.locator("#status")).to_contain_text("Imported the camera “silent”")
+    expect(cameras.get_by_label("The lens has no distortion")).not_to_be_checked()
+    cameras.get_by_label("Download as").select_option("COLMAP")
+    link = cameras.get_by_label("Download silent as of COLMAP").first
+    expect(link).to_have_attribute("href", re.compile(r"/files/cameras\.txt$"))

@@ -193,6 +193,39 @@ def test_a_camera_file_wins_over_a_presets_name(tmp_path, monkeypatch):
     assert presets.load_camera("preset-webcam-c270").width == 1920
 
 
+SILENT_CAMERA = """\
+image_width: 640
+image_height: 480
+camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]
+"""
+
+
+def test_a_camera_is_shown_and_written_in_another_form(tmp_path):
+    file = tmp_path / "camera.yaml"
+    file.write_text(SILENT_CAMERA + "dist: [-0.9, 0, 0.001, 0.002, 0]\n")
+    shown = run("camera", file)
+    assert "distortion" in shown.stdout
+    assert "-0.9 0 0.001 0.002 0" in shown.stdout
+    assert "camera camera: the lens folds back within" in shown.stderr
+    chain = tmp_path / "chain.yaml"
+    assert run("camera", file, "--form", "kalibr", "-o", chain).exit_code == 0
+    again = run("camera", f"{chain}#cam0", "--form", "colmap", "-o", "-")
+    assert again.stdout.endswith("1 OPENCV 640 480 500.0 500.0 320.5 240.5 -0.9 0.0 0.001 0.002\n")
+    assert run("camera", f"{chain}#cam1").stderr.startswith("error: chain.yaml: holds no camera")
+    assert "(file_exists)" in run("camera", file, "-o", chain).stderr
+
+
+def test_a_lens_without_distortion_needs_to_be_told(tmp_path):
+    file = tmp_path / "camera.yaml"
+    file.write_text(SILENT_CAMERA)
+    envelope = ("--low-mm", 80, "--high-mm", 5000)
+    refused = run("advise", "--camera", file, *envelope)
+    assert refused.exit_code == 2
+    assert "--no-distortion on the command line" in refused.stderr
+    assert refused.stderr.endswith("(distortion_not_said)\n")
+    assert run("advise", "--camera", file, *envelope, "--no-distortion").exit_code == 0
+
+
 def test_the_installed_program():
     program = Path(sys.executable).with_name("padstudio")
     environment = os.environ | ENVIRONMENT

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -102,6 +103,78 @@ def test_ill_formed_files_are_refused(
 def test_a_camera_file_beyond_the_limit_is_refused(tmp_path: Path, refused: Refused) -> None:
     with running(settings_for(tmp_path, max_camera_bytes=1000)) as client:
         refused(_import(client, b" " * 1001), 413, "limit_exceeded")
+
+
+def test_no_distortion_is_said_by_the_file_or_the_user(
+    studio: httpx.Client, refused: Refused
+) -> None:
+    silent = CALIBRATION[: CALIBRATION.index("distortion_model")]
+    body = refused(_import(studio, silent), 422, "distortion_not_said")
+    assert "no_distortion in REST" in body["message"]
+    files = {"file": ("silent.yaml", silent)}
+    made = studio.post(CAMERAS, files=files, data={"no_distortion": "true"}).raise_for_status()
+    assert made.json()["distortion"] in ([], [0.0] * 5)
+    files = {"file": ("cam.yaml", CALIBRATION)}
+    answer = studio.post(CAMERAS, files=files, data={"no_distortion": "true"})
+    refused(answer, 422, "invalid_camera_file")
+
+
+def test_a_camera_of_several_is_chosen(studio: httpx.Client, refused: Refused) -> None:
+    line = "PINHOLE 640 480 500 500 320.5 240.5"
+    files = {"file": ("cameras.txt", f"3 {line}\n8 {line.replace('320', '310')}\n")}
+    body = refused(studio.post(CAMERAS, files=files), 422, "several_cameras")
+    assert body["detail"] == {"cameras": ["3", "8"]}
+    made = studio.post(CAMERAS, files=files, data={"camera": "8"}).raise_for_status().json()
+    file = studio.get(f"{CAMERAS}/{made['id']}/files/camera.yaml").content
+    assert (made["name"], Camera.loads(file).matrix[0, 2]) == ("cameras 8", 310)
+
+
+def test_snapshots_of_photonvision_pass(tmp_path: Path) -> None:
+    content = {
+        "resolution": {"width": 640, "height": 480},
+        "cameraIntrinsics": {"data": [500, 0, 320, 0, 500, 240, 0, 0, 1]},
+        "distCoeffs": {"data": [0.1, -0.2, 0.001, 0.002, 0.05]},
+        "observations": [{"snapshotData": "A" * 5_000_000}],
+    }
+    with running(settings_for(tmp_path, max_upload_bytes=64_000_000)) as client:
+        made = _import(client, json.dumps(content)).raise_for_status().json()
+    assert made["distortion"] == [0.1, -0.2, 0.001, 0.002, 0.05]
+
+
+def test_what_a_user_must_know_of_a_camera_is_told(studio: httpx.Client) -> None:
+    region = "roi: {x_offset: 100, y_offset: 50, width: 480, height: 360}\n"
+    folded = CALIBRATION.replace("[0.1, -0.2,", "[-0.9, 0.0,").replace("0.05]", "0]")
+    made = _import(studio, folded + region).raise_for_status().json()
+    assert made["note"].startswith("region of interest 480 x 360 applied: the camera is of frames")
+    assert "; the lens folds back within" in made["note"]
+    address = f"{CAMERAS}/{made['id']}"
+    told = studio.put(f"{address}/readout", json={"readout_ms": 5}).raise_for_status().json()
+    renamed = studio.patch(address, json={"name": "cut"}).raise_for_status().json()
+    assert told["note"] == renamed["note"] == made["note"]
+
+
+def test_the_forms_of_other_programs(studio: httpx.Client, refused: Refused) -> None:
+    made = _import(studio, CALIBRATION.replace("0.05]", "0]")).raise_for_status().json()
+    true = Camera.loads(CALIBRATION.replace("0.05]", "0]"))
+    rays = [[0.1, 0.2, 1], [-0.3, 0.1, 1]]
+    for file, ending in (
+        ("camera.yaml", "front.yaml"),
+        ("opencv.yaml", "front.opencv.yaml"),
+        ("kalibr.yaml", "front.kalibr.yaml"),
+        ("cameras.txt", "front.cameras.txt"),
+    ):
+        answer = studio.get(f"{CAMERAS}/{made['id']}/files/{file}").raise_for_status()
+        assert f'filename="{ending}"' in answer.headers["content-disposition"]
+        assert Camera.loads(answer.content).project(rays) == pytest.approx(true.project(rays))
+    five = _import(studio, CALIBRATION).raise_for_status().json()
+    answer = studio.get(f"{CAMERAS}/{five['id']}/files/kalibr.yaml")
+    refused(answer, 422, "invalid_camera_file")
+    refused(studio.get(f"{CAMERAS}/{five['id']}/files/x.yaml"), 422, "invalid_request")
+
+
+@pytest.mark.parametrize("value", ['!!int ""', '!!bool "x"', "!!timestamp x", "!!binary x"])
+def test_tags_are_refused_and_no_defect(studio: httpx.Client, refused: Refused, value: str) -> None:
+    refused(_import(studio, CALIBRATION + f"notes: {value}\n"), 422, "invalid_camera_file")
 
 
 def test_cameras_survive_a_restart(tmp_path: Path) -> None:

@@ -7,19 +7,13 @@ import zipfile
 from collections.abc import Iterable, Iterator
 from pathlib import PurePosixPath
 
-import numpy as np
-
 from padstudio.flights.exports.byte_stream import ByteStream
 from padstudio.flights.exports.frames.cameras import FrameCameras
 from padstudio.flights.exports.options import ExportOptions, Record, full_poses
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.camera_files.writing import colmap_cameras
 from padstudio.geometry.pose import Pose
 
-_CAMERAS = """\
-# Camera list with one line of data per camera:
-#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
-# pixels as COLMAP counts them: (0.5, 0.5) is the centre of the top-left pixel
-"""
 _IMAGES = """\
 # Image list with two lines of data per image:
 #   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
@@ -66,8 +60,8 @@ def _write(
                 name = names.free(image_name(record, options.name_of(record)), number)
                 images.write(_image_lines(pose, number, camera_id, name).encode())
                 yield stream.take()
-        lines = (f"{number} {_camera_line(camera)}\n" for camera, number in numbers.items())
-        archive.writestr(_member("cameras.txt"), _CAMERAS + "".join(lines))
+        text = colmap_cameras([camera.fields for camera in numbers])
+        archive.writestr(_member("cameras.txt"), text)
         archive.writestr(_member("points3D.txt"), _POINTS)
     yield stream.take()
 
@@ -106,22 +100,3 @@ def image_name(record: Record, source: str) -> str:
     if record.get("time_s") is None:
         return source
     return f"{PurePosixPath(source).with_suffix('')}/{record['frame']:06d}.png"
-
-
-def _camera_line(camera: Camera) -> str:
-    """Model, size and parameters; COLMAP's models take OpenCV's coefficients."""
-    k = camera.distortion
-    if camera.model == "fisheye":
-        name, coefficients = "OPENCV_FISHEYE", np.zeros(4)
-    elif not k.any():
-        name, coefficients = "PINHOLE", np.zeros(0)
-    elif not k[4:].any():
-        name, coefficients = "OPENCV", np.zeros(4)
-    else:
-        name, coefficients = "FULL_OPENCV", np.zeros(8)
-    known = min(len(k), len(coefficients))
-    coefficients[:known] = k[:known]
-    m = camera.matrix
-    params = [m[0, 0], m[1, 1], m[0, 2] + 0.5, m[1, 2] + 0.5, *coefficients]
-    numbers = " ".join(f"{value:.12g}" for value in params)
-    return f"{name} {camera.width} {camera.height} {numbers}"

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.errors import CameraFormatError
 from padstudio.geometry.camera_files.parts.fields import CameraFields
+
+_COLMAP = """\
+# Camera list with one line of data per camera:
+#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
+# pixels as COLMAP counts them: (0.5, 0.5) is the centre of the top-left pixel
+"""
 
 
 def write(camera: CameraFields, form: str) -> str:
@@ -98,15 +104,17 @@ def kalibr_yaml(camera: CameraFields) -> str:
 
 def colmap_text(camera: CameraFields) -> str:
     """A camera as COLMAP's ``cameras.txt``, number 1."""
-    return (
-        "# Camera list with one line of data per camera:\n"
-        "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
-        "# pixels as COLMAP counts them: (0.5, 0.5) is the centre of the top-left pixel\n"
-        f"1 {colmap_model(camera)}\n"
+    return colmap_cameras([camera])
+
+
+def colmap_cameras(cameras: Sequence[CameraFields]) -> str:
+    """COLMAP's ``cameras.txt`` of cameras, numbered from 1."""
+    return _COLMAP + "".join(
+        f"{number} {_colmap_model(camera)}\n" for number, camera in enumerate(cameras, 1)
     )
 
 
-def colmap_model(camera: CameraFields) -> str:
+def _colmap_model(camera: CameraFields) -> str:
     """COLMAP's model, size and parameters of a camera; its models take OpenCV's coefficients."""
     k = camera.distortion
     if camera.model == "fisheye":
