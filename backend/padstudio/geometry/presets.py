@@ -71,14 +71,18 @@ def load_camera(name: str, *, no_distortion: bool = False) -> Camera:
     no_distortion : bool
         As of `Camera.load`; presets have none.
     """
-    which = None
-    if not Path(name).exists():
-        if name.startswith(_PREFIX):
-            return get(name).camera
-        file, mark, chosen = name.rpartition("#")
-        if mark and Path(file).exists():
-            name, which = file, chosen
-    return Camera.load(name, no_distortion=no_distortion, which=which)
+    if name.startswith(_PREFIX) and not Path(name).exists():
+        return get(name).camera
+    file, which = file_and_choice(name)
+    return Camera.load(file, no_distortion=no_distortion, which=which)
+
+
+def file_and_choice(name: str) -> tuple[str, str | None]:
+    """A camera file, and which of its cameras ``FILE#NAME`` means; a file of that name wins."""
+    file, mark, chosen = name.rpartition("#")
+    if mark and Path(file).exists() and not Path(name).exists():
+        return file, chosen
+    return name, None
 
 
 def get(preset_id: str) -> Preset:

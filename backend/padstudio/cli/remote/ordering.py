@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 from padstudio.cli.remote.sending import LocalFile
 from padstudio.cli.remote.server import API, Server
-from padstudio.cli.support import note
+from padstudio.cli.support import note, open_camera
 from padstudio.errors import ConflictError, NotFoundError
-from padstudio.geometry.presets import load_camera
+from padstudio.geometry.presets import file_and_choice
 from padstudio.pad.spec import Pad
 
 _PAGE = 1000
@@ -37,10 +37,10 @@ def pad_on(server: Server, given: str) -> str:
     return _stored(server, "/pads/import", "pad.json", text)
 
 
-def camera_on(server: Server, given: str) -> str:
+def camera_on(server: Server, given: str, *, no_distortion: bool = False) -> str:
     """Id of a camera on the server, as of `pad_on`; tells of one that is nominal."""
-    if Path(given).is_file():
-        text = load_camera(given).to_ros_yaml()
+    if Path(file_and_choice(given)[0]).is_file():
+        text = open_camera(given, no_distortion=no_distortion).to_ros_yaml()
         found = _stored(server, "/cameras", "camera.yaml", text)
     else:
         found = _of_name(server, "cameras", given)

@@ -18,7 +18,7 @@ from padstudio.cli.remote.lines import lines_of
 from padstudio.cli.remote.ordering import camera_on, order, pad_on
 from padstudio.cli.remote.sending import LocalFile, look_at, send
 from padstudio.cli.remote.server import TOKEN, Server
-from padstudio.cli.support import check_output, note, progress_bar
+from padstudio.cli.support import NoDistortion, check_output, note, progress_bar
 from padstudio.errors import SpecError
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.tasks.detectors import params_from, params_of_words
@@ -111,6 +111,7 @@ def remote(
     server: Address,
     pad: PadNames,
     camera: CameraName = None,
+    no_distortion: NoDistortion = False,
     output: Output = "-",
     topic: Topic = None,
     export: ExportWords = None,
@@ -162,7 +163,9 @@ def remote(
         version = studio.greet()
         exports.check(studio)
         chosen = {
-            "camera": None if camera is None else camera_on(studio, camera),
+            "camera": None
+            if camera is None
+            else camera_on(studio, camera, no_distortion=no_distortion),
             "topic": topic,
             "name": name,
             "callback": callback,
