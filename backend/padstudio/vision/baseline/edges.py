@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array, Image
 from padstudio.geometry.camera import Camera
+from padstudio.vision.baseline import edges_kernel
 from padstudio.vision.baseline.hough_kernel import BINS
 from padstudio.vision.frame.block_mean import Binary
 from padstudio.vision.frame.pyramid import Plane
@@ -92,10 +93,10 @@ def find_edge_map(
     """
     picture = binary.mask if levels == 2 else _gray(binary.plane)
     thin = np.asarray(cv2.Canny(picture, params.canny_low, params.canny_high), np.uint8)
-    y, x = np.nonzero(thin)
-    off = ~region.holds(binary.plane.to_frame(np.stack([x, y], axis=1).astype(float)))
-    thin[y[off], x[off]] = 0
-    count = len(x) - int(off.sum())
+    xy = pixels(thin)
+    off = ~region.holds(binary.plane.to_frame(xy.astype(float)))
+    thin[xy[off, 1], xy[off, 0]] = 0
+    count = len(xy) - int(off.sum())
     if count < _LEAST_EDGES:
         return StageFailure(
             "edges",
@@ -106,6 +107,14 @@ def find_edge_map(
     gradient = _gradient(binary.plane)
     points = _steepest(gradient, thin)
     return EdgeMap(thin, mask, points, _normals(gradient, mask), binary.plane, camera)
+
+
+def pixels(mask: Image) -> NDArray[np.int32]:
+    """The pixels (N, 2) that are not 0, x and y, row by row."""
+    found = cv2.findNonZero(mask)
+    return (
+        np.zeros((0, 2), np.int32) if found is None else np.asarray(found, np.int32).reshape(-1, 2)
+    )
 
 
 def _ideal(camera: Camera) -> Camera:
@@ -119,9 +128,10 @@ def _gradient(plane: Plane) -> _Gradient:
 
 
 def _normals(gradient: _Gradient, mask: Image) -> NDArray[np.int32]:
-    at = np.nonzero(mask)
-    angle = np.arctan2(gradient[1][at], gradient[0][at])
-    return np.round(angle * (BINS / math.pi)).astype(np.int32) % BINS
+    x, y = pixels(mask).T
+    angle = np.arctan2(gradient[1][y, x], gradient[0][y, x])
+    bins = np.mod(np.round(angle * (BINS / math.pi)), BINS)
+    return np.asarray(bins, np.int32)
 
 
 def _steepest(gradient: _Gradient, thin: Image) -> Array:
@@ -132,19 +142,7 @@ def _steepest(gradient: _Gradient, thin: Image) -> Array:
     through it and its neighbours.
     """
     gx, gy = gradient
-    steep = np.pad(steepness(gx, gy), _SEARCH + 1, mode="edge")
-    y, x = np.nonzero(thin)
-    along_x = np.abs(gx[y, x]) >= np.abs(gy[y, x])
-    offsets = np.arange(-_SEARCH - 1, _SEARCH + 2)
-    rows = y[:, None] + _SEARCH + 1 + np.where(along_x[:, None], 0, offsets)
-    columns = x[:, None] + _SEARCH + 1 + np.where(along_x[:, None], offsets, 0)
-    profile = steep[rows, columns].astype(float)
-    best = 1 + np.argmax(profile[:, 1:-1], axis=1)
-    number = np.arange(len(best))
-    before, here, after = (profile[number, best + k] for k in (-1, 0, 1))
-    bend = np.minimum(before + after - 2 * here, -1e-6)
-    shift = offsets[best] + np.clip(0.5 * (before - after) / bend, -0.5, 0.5)
-    return np.stack([x + shift * along_x, y + shift * ~along_x], axis=1)
+    return edges_kernel.steepest(pixels(thin), gx, gy, steepness(gx, gy), _SEARCH)
 
 
 def _gray(plane: Plane) -> NDArray[np.uint8]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.vision.baseline import hough_kernel, lines_kernel
-from padstudio.vision.baseline.edges import EdgeMap
+from padstudio.vision.baseline.edges import EdgeMap, pixels
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -103,13 +103,13 @@ def homogeneous(ends: Array) -> Array:
 
 
 def _hough(edges: EdgeMap, params: PaperParams) -> Array:
-    y, x = np.nonzero(edges.mask)
+    xy = pixels(edges.mask)
     # The order is random, and the same each time.
-    order = np.random.default_rng(0).permutation(len(x))
+    order = np.random.default_rng(0).permutation(len(xy))
     side = max(edges.mask.shape)
     segments = hough_kernel.find_segments(
         edges.mask.shape,
-        np.stack([x, y], axis=1).astype(np.int32)[order],
+        xy[order],
         edges.normals[order],
         params.hough_votes,
         max(params.hough_length * side, _LEAST_LENGTH_PX),
