@@ -79,6 +79,7 @@ def test_names_of_lenses(change, truth):
         (ros(FIVE) | {"fx": 3}, "has fx alone"),
         (ros(FIVE) | {"skew": 0.5}, "has skew"),
         (ros(FIVE) | {"fisheye": "maybe"}, "fisheye is neither true nor false"),
+        (ros(FIVE) | {"camera_matrix": [0.7, 0, 0.5, 0, 1.2, 0.5, 0, 0, 1]}, "of 1 x 1"),
         (script(FIVE) | {"dist": [[0.1, 0.2]]}, "takes 4, 5 or 8"),
         (script(FIVE) | {"img_size": {"width": 3, "depth": 4}}, "give width, height"),
     ],

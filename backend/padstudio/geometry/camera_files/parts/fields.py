@@ -68,9 +68,14 @@ def camera_fields(
     Raises
     ------
     CameraFormatError
-        If the matrix has skew, or its principal point lies outside the picture.
+        If the matrix has skew, is not in pixels, or its principal point lies outside the picture.
     """
     width, height = whole_size(size, "image size")
+    if 0 < max(matrix[0, 2], matrix[1, 2]) <= 1 < min(width, height) / 4:
+        raise CameraFormatError(
+            f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) is of a picture of 1 x 1; "
+            "give the camera matrix in pixels"
+        )
     if matrix[0, 1] or matrix[1, 0]:
         raise CameraFormatError("the camera matrix has skew; calibrate without it")
     if not (-0.5 <= matrix[0, 2] < width and -0.5 <= matrix[1, 2] < height):

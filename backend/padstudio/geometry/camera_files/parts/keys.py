@@ -137,7 +137,7 @@ ANY_KEYS = re.compile(
     r"(projection|rectification|rectified|undistorted)matrix|undistorted(cameramatrix|k)"
     r"|(new|optimal|optimalnew)(cameramatrix|cameramtx|matrix|mtx|k)|newcamera(matrix|mtx)?"
     r"|valid(pix)?roi|header"
-    r"|.*(errors?|errs?|rms|rmse|rmserror|covariances?|cov|sigmas?|std|stds|stddevs?|stdev"
+    r"|rms.*|.*(errors?|errs?|rms|rmse|rmserror|covariances?|cov|sigmas?|std|stds|stddevs?|stdev"
     r"|deviations?|uncertaint(y|ies)|variances?|residuals?|meansquare)"
     r"|std(dev)?iations?(int|ext)rinsics|std(int|ext)rinsics|perview.*"
     r"|(chess|checker)?boards?(size|width|height|rows|cols|type|shape|points)?"

@@ -16,7 +16,8 @@ MAX_JSON_BYTES = 32_000_000
 MAX_JSON_VALUES_BYTES = 8_000_000
 # Longer texts are pictures, which are not kept.
 _LONGEST_TEXT = 4_000
-_JSON_TEXT = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"', re.DOTALL)
+# One pass, whatever is in it: nothing is tried twice, and a text without an end goes to the last.
+_JSON_TEXT = re.compile(r'"[^"\\]*+(?:\\.?[^"\\]*+)*+(?:"|\Z)', re.DOTALL)
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f]")
 
 
@@ -57,12 +58,7 @@ def json_values(text: str) -> Any:
         If it is ill-formed, says a key twice, or too much is left.
     """
     if len(text) > MAX_JSON_VALUES_BYTES:
-        text = _JSON_TEXT.sub(lambda m: m[0] if len(m[0]) <= _LONGEST_TEXT else '""', text)
-    if len(text) > MAX_JSON_VALUES_BYTES:
-        raise CameraFormatError(
-            f"{len(text)} characters besides its pictures; at most {MAX_JSON_VALUES_BYTES} are "
-            "read. Give the calibration file alone"
-        )
+        text = _without_pictures(text)
     try:
         return json.loads(text, object_pairs_hook=_unique)
     except (ValueError, RecursionError) as error:
@@ -89,6 +85,23 @@ def yaml_values(text: str) -> Any:
         problem = getattr(error, "problem", None) or " ".join(str(error).split())
         where = f"line {place.line + 1}: " if place else ""
         raise CameraFormatError(f"ill-formed YAML: {where}{problem}") from error
+
+
+def _without_pictures(text: str) -> str:
+    pieces, start, left_out = [], 0, 0
+    for match in _JSON_TEXT.finditer(text):
+        if match.start() - left_out > MAX_JSON_VALUES_BYTES:
+            break
+        if match.end() - match.start() > _LONGEST_TEXT:
+            pieces += [text[start : match.start()], '""']
+            start = match.end()
+            left_out += match.end() - match.start()
+    if len(text) - left_out > MAX_JSON_VALUES_BYTES:
+        raise CameraFormatError(
+            f"more than {MAX_JSON_VALUES_BYTES} characters besides its pictures; give the "
+            "calibration alone"
+        )
+    return "".join([*pieces, text[start:]])
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
