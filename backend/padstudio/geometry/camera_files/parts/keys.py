@@ -126,6 +126,8 @@ SCALAR_KEYS = frozenset(
         "pixelpitch",
         "pixelpitchum",
         "rpe",
+        "ret",
+        "retval",
         "perviewerror",
         "quality",
         "score",
