@@ -64,6 +64,7 @@ ORDER = (
     "flights/cluster",
     "flights/tasks",
     "flights/results",
+    "flights/vehicle",
     "flights/pictures",
     "flights/tuning",
     "flights/bundles",

@@ -30,6 +30,7 @@ from padstudio.flights.runner import Runner
 from padstudio.flights.tasks import from_rows
 from padstudio.flights.tasks.detectors import params_from
 from padstudio.flights.tasks.from_rows import WorkLimits
+from padstudio.flights.vehicle.answers import VehicleAnswers
 from padstudio.media.remote import Storage
 from padstudio.pad.spec import Pad
 from padstudio.store.database.flight_tables import OPEN, ChunkRow, FlightRow
@@ -95,6 +96,7 @@ class FlightService:
     results : Results
     summaries : Summaries
     charts : FigureRows
+    vehicle : VehicleAnswers
     comparisons : Comparisons
     pictures : PictureCache
     proxies : ProxyStore
@@ -114,6 +116,7 @@ class FlightService:
         self.callbacks = Callbacks(session)
         self.results, self.summaries = Results(session), Summaries(session)
         self.charts = FigureRows(session)
+        self.vehicle = VehicleAnswers(session)
         self.comparisons = Comparisons(session)
         self.limits, self._shares_disk = options.limits, options.shares_disk
         self._uploads, self._storage = uploads, storage

@@ -15,6 +15,7 @@
  * @property {Timeline | null} otherCoarse
  * @property {import("./figuresLogic.js").Figures | null} figures
  * @property {import("./figuresLogic.js").Figures | null} otherFigures
+ * @property {import("../server/answers.js").VehicleComparison | null} vehicle
  * @property {import("../server/flightsApi.js").Summary | null} summary
  * @property {import("./padSurfaceLogic.js").PadPicture | null} pad
  * @property {Part | null} part  of the timeline; null is the whole
@@ -69,6 +70,7 @@ const state = {
   otherCoarse: null,
   figures: null,
   otherFigures: null,
+  vehicle: null,
   summary: null,
   pad: null,
   part: partFromText(address.get("part")),

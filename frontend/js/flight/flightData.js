@@ -6,7 +6,7 @@
 
 import { getPad } from "../server/api.js";
 import { isAbort, messageOf } from "../server/request.js";
-import { getFigures, getFlight, getSummary, getTimeline, isOpen, listFlights } from "../server/flightsApi.js";
+import { getFigures, getFlight, getSummary, getTimeline, getVehicle, isOpen, listFlights } from "../server/flightsApi.js";
 import { wholeOf } from "./timelineLogic.js";
 
 const BUSY_MS = 1000;
@@ -58,6 +58,9 @@ export function makeFlightData(id, { state, set, columns }) {
     const part = { ...wanted(), columns: COARSE };
     const [figures, coarse] = await Promise.all([getFigures(id), getTimeline(id, part)]);
     set({ figures, coarse });
+    const { flight, vehicle } = state();
+    // Of a whole flight, once: it takes a second, and no part of the flight tells as much.
+    if (flight?.telemetry && !isOpen(flight) && !vehicle) set({ vehicle: await getVehicle(id).catch(() => null) });
   }
 
   async function pad() {

@@ -121,9 +121,9 @@ export function makeFlightView(id, on) {
       const other = state.runs.find((run) => run.id === state.compared) ?? null;
       compare.update({ flight, other, frame, picture: state.picture, lines: state.lines });
       runs.update({ flight, runs: state.runs, compared: state.compared });
-      const { figures, otherFigures, coarse, otherCoarse, pad } = state;
+      const { figures, otherFigures, coarse, otherCoarse, vehicle, pad } = state;
       const at = frame === null ? null : { frame, timeS };
-      charts.update({ enabled: hasFrames, figures, otherFigures, coarse, otherCoarse, pad, at });
+      charts.update({ enabled: hasFrames, figures, otherFigures, coarse, otherCoarse, vehicle, pad, at });
       status.update(state.status);
     },
   };

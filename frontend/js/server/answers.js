@@ -220,4 +220,17 @@
  * @property {{frame: number[], telemetry_m: number[], pose_mm: number[], fit: HeightFit | null} | null} heights
  */
 
+/**
+ * @typedef {object} VehicleComparison  poses beside the vehicle's log
+ * @property {string} kind
+ * @property {{is_flights: boolean, offset_s: number | null, sigma_s: number | null, climb_correlation: number | null,
+ *   turn_correlation: number | null, overlap_s: number, reason: string}} clock
+ * @property {{rotation: number[][], turned_deg: number, lean_forward_deg: number, lean_right_deg: number,
+ *   sigma_deg: number[], residual_deg: number, undetermined: number[][]} | null} mount
+ * @property {string} mount_reason
+ * @property {HeightFit | null} fit
+ * @property {{value: number, low: number, high: number} | null} scale_error
+ * @property {Record<string, (number | null)[]>} columns
+ */
+
 export {};

@@ -106,6 +106,9 @@ export const getTimeline = (id, part, signal) =>
 /** @param {string} id @returns {Promise<import("./answers.js").Figures>} */
 export const getFigures = (id) => request("GET", path`/flights/${id}/figures`);
 
+/** @param {string} id @returns {Promise<import("./answers.js").VehicleComparison>} */
+export const getVehicle = (id) => request("GET", path`/flights/${id}/vehicle`);
+
 /**
  * A page of frames, in the order of their numbers.
  * @param {string} id

@@ -1,6 +1,6 @@
 import { changesChart } from "/static/js/flight/compareLogic.js";
 import { heightsChart, outcomesChart, spaceChart, stagesChart, trajectoryChart } from "/static/js/flight/figuresLogic.js";
-import { SERIES, seriesChart } from "/static/js/flight/seriesChartLogic.js";
+import { SERIES, seriesChart } from "/static/js/flight/charts/seriesChartLogic.js";
 import { sweepChart } from "/static/js/flight/sweepLogic.js";
 import { equal } from "./check.js";
 

@@ -1,5 +1,5 @@
 import { markIn } from "/static/js/flight/figuresLogic.js";
-import { seriesChart, seriesColumns } from "/static/js/flight/seriesChartLogic.js";
+import { seriesChart, seriesColumns } from "/static/js/flight/charts/seriesChartLogic.js";
 import { equal } from "./check.js";
 
 const FIGURES = {

@@ -11,12 +11,14 @@
  * @property {Figures | null} otherFigures  of a second run
  * @property {Timeline | null} coarse  the whole flight in few columns
  * @property {Timeline | null} otherCoarse
+ * @property {import("../../server/answers.js").VehicleComparison | null} vehicle
  * @property {import("../padSurfaceLogic.js").PadPicture | null} pad
  * @property {{frame: number, timeS: number | null} | null} at  the frame that is looked at
  */
 
 import * as logic from "../figuresLogic.js";
-import { SERIES, seriesChart, seriesColumns } from "../seriesChartLogic.js";
+import { VEHICLE_CHARTS, vehicleChart, vehicleInWords, vehicleLines } from "../charts/vehicleChartLogic.js";
+import { SERIES, seriesChart, seriesColumns } from "../charts/seriesChartLogic.js";
 import { mountPlot } from "../../shared/components/plot.js";
 
 /** Charts whose x axis is another than time. */
@@ -47,10 +49,17 @@ export function mountCharts(root, { onSeek, onVisible }) {
     plots.get(name)?.show((colour) => make(paletteOf(colour)));
   }
 
+  /** @param {string} name */
+  function showNote(name) {
+    const figure = /** @type {HTMLElement} */ (find(name).closest(".chart"));
+    figure.hidden = false;
+    find(name).hidden = true;
+  }
+
   function draw() {
     if (!visible || !state?.figures || !state.coarse) return;
-    const { figures, otherFigures, coarse, otherCoarse, pad } = state;
-    const wanted = [figures, otherFigures, coarse, otherCoarse, pad];
+    const { figures, otherFigures, coarse, otherCoarse, vehicle, pad } = state;
+    const wanted = [figures, otherFigures, coarse, otherCoarse, vehicle, pad];
     if (wanted.every((each, at) => each === drawn[at])) return;
     drawn = wanted;
     const { heights } = figures;
@@ -63,6 +72,12 @@ export function mountCharts(root, { onSeek, onVisible }) {
     show("outcomes", "", (palette) => logic.outcomesChart(coarse, otherCoarse, palette));
     show("stages", "", fails ? (palette) => logic.stagesChart(coarse, palette) : null);
     show("heights", logic.heightsInWords(heights), heights && ((palette) => logic.heightsChart(heights, palette)));
+    for (const name of Object.keys(VEHICLE_CHARTS)) {
+      const has = vehicle && vehicleLines(vehicle, name).length > 0;
+      show(name, vehicle ? vehicleInWords(vehicle, name) : "", has ? (palette) => vehicleChart(vehicle, name, palette) : null);
+      // Why there is nothing to be seen is worth a line, too.
+      if (vehicle && !has && name === "vehicle-height") showNote(name);
+    }
     show("space", logic.samplesInWords(figures.samples), (palette) => logic.spaceChart(figures, pad, palette));
   }
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 import score
+import vehicle_logs
 from dense_frames import random_pad
 from flight_api import API, Api
 from places import FOOTAGE
@@ -266,14 +267,31 @@ def test_stills_and_telemetry(api: Api, refused: Refused) -> None:
     assert [(frame["frame"], frame["time_s"]) for frame in frames] == [(0, None), (1, None)]
     assert [frame["source"] for frame in frames] == list(names)
     refused(api.client.get(f"{API}/flights/{found['id']}/telemetry"), 404, "no_telemetry")
+    refused(api.client.get(f"{API}/flights/{found['id']}/vehicle"), 404, "no_telemetry")
     cue = b"1\n00:00:00,000 --> 00:00:00,033\n[rel_alt: 1.043 abs_alt: 400.1]\n"
     srt = api.upload(cue, "landing.srt")
     both = api.finished(api.order(api.video, srt, stride=30).json()["id"])
     assert both["telemetry"]
+    vehicle = api.get(f"{both['id']}/vehicle")
+    assert (vehicle["kind"], vehicle["clock"]["offset_s"]) == ("srt", 0.0)
+    assert vehicle["mount_reason"] == "the log holds no attitude"
+    assert len(vehicle["columns"]["pose_m"]) == 2
     assert api.get(f"{both['id']}/telemetry")["height_m"] == [1.043]
     refused(api.order(api.video, stills[0]), 422, "mixed_uploads")
     refused(api.order(srt), 422, "mixed_uploads")
     refused(api.order(srt, stills[0]), 422, "mixed_uploads")
+
+
+def test_a_log_on_a_clock_of_its_own(api: Api) -> None:
+    # Two seconds of flight are too few to find it among forty.
+    log = api.upload(vehicle_logs.dataflash(vehicle_logs.wandering(40.0)), "flight.bin")
+    flight = api.finished(api.order(api.video, log, stride=10).json()["id"])
+    columns = api.get(f"{flight['id']}/telemetry")
+    assert (columns["kind"], len(columns["qw"])) == ("dataflash", len(columns["time_s"]))
+    vehicle = api.get(f"{flight['id']}/vehicle")
+    assert (vehicle["kind"], vehicle["clock"]["offset_s"]) == ("dataflash", None)
+    assert "three seconds" in vehicle["clock"]["reason"]
+    assert api.get(f"{flight['id']}/figures")["heights"] is None
 
 
 def test_orders_that_are_refused(api: Api, flight: dict[str, Any], refused: Refused) -> None:

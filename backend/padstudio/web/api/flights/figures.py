@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field
 
+from padstudio.errors import NotFoundError
 from padstudio.web.server.services import ERRORS, ItemId, Shared
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
@@ -22,6 +23,31 @@ _COLUMN: dict[str, Any] = {
     "outcomes": [20, 0, 6, 0, 2, 2],
     "stages": {"decode": 2},
     "failed_at": {"red": {"decode": 2}, "blue": {"lines": 2}},
+}
+_VEHICLE: dict[str, Any] = {
+    "kind": "ulog",
+    "clock": {
+        "is_flights": False,
+        "offset_s": 73.413,
+        "sigma_s": 0.006,
+        "climb_correlation": 0.99,
+        "turn_correlation": 0.98,
+        "overlap_s": 21.4,
+        "reason": "",
+    },
+    "mount": {
+        "rotation": [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        "turned_deg": 0.2,
+        "lean_forward_deg": 1.3,
+        "lean_right_deg": -0.4,
+        "sigma_deg": [0.1, 0.1, 0.3],
+        "residual_deg": 0.5,
+        "undetermined": [],
+    },
+    "mount_reason": "",
+    "fit": None,
+    "scale_error": {"value": 0.012, "low": 0.009, "high": 0.015},
+    "columns": {"frame": [0], "time_s": [0.0], "pose_m": [2.01], "vehicle_m": [2.0]},
 }
 _TIMELINE: dict[str, Any] = {
     "first_frame": 0,
@@ -112,6 +138,59 @@ class HeightPairs(BaseModel):
     fit: HeightFit | None
 
 
+class ClockAnswer(BaseModel):
+    """What the motion tells of the log's clock."""
+
+    is_flights: bool = Field(description="The log's times are the flight's own.")
+    offset_s: float | None = Field(description="Log's time less the flight's; null: not told.")
+    sigma_s: float | None
+    climb_correlation: float | None
+    turn_correlation: float | None
+    overlap_s: float
+    reason: str = Field(description="Why there is no offset.")
+
+
+class MountAnswer(BaseModel):
+    """How the camera sits on the vehicle."""
+
+    rotation: list[list[float]] = Field(
+        description="Takes camera vectors to body vectors: x forward, y right, z down."
+    )
+    turned_deg: float = Field(description="Up in the picture, from forward to the right.")
+    lean_forward_deg: float = Field(description="Of the optical axis from straight down.")
+    lean_right_deg: float
+    sigma_deg: list[float] = Field(description="About the body's axes; 104 where not determined.")
+    residual_deg: float
+    undetermined: list[list[float]] = Field(
+        description="Axes of the body about which the motion does not determine it."
+    )
+
+
+class ScaleError(BaseModel):
+    """Share by which poses are too large, as the heights imply."""
+
+    value: float
+    low: float
+    high: float
+
+
+class VehicleComparison(BaseModel):
+    """The flight's poses beside the vehicle's log."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [_VEHICLE]})
+
+    kind: str
+    clock: ClockAnswer
+    mount: MountAnswer | None
+    mount_reason: str = Field(description="Why there is no mount.")
+    fit: HeightFit | None
+    scale_error: ScaleError | None
+    columns: dict[str, list[float | None]] = Field(
+        description="frame, time_s, pose_m, vehicle_m, residual_mm, and with a mount tilt_deg, "
+        "heading_deg, vehicle_tilt_deg, vehicle_heading_deg, attitude_residual_deg."
+    )
+
+
 class FlightFigures(BaseModel):
     model_config = ConfigDict(json_schema_extra={"examples": [_FIGURES]})
 
@@ -155,3 +234,24 @@ def get_flight_figures(
     flight = shared.flights.flights.get(flight_id, texts=True)
     found = shared.flights.charts.figures(flight, points, samples)
     return FlightFigures.model_validate(found)
+
+
+@router.get(
+    "/{flight_id}/vehicle",
+    operation_id="getFlightVehicle",
+    summary="Poses beside the vehicle's log: clock, mounting, heights, attitudes",
+)
+def get_flight_vehicle(flight_id: ItemId, shared: Shared) -> VehicleComparison:
+    flight = shared.flights.flights.get(flight_id, texts=True)
+    if flight.telemetry is None:
+        raise NotFoundError(
+            "this flight has no telemetry; upload an SRT file or the vehicle's log with the video",
+            code="no_telemetry",
+        )
+
+    def run(function: Any, *args: Any) -> Any:
+        timeout_s = shared.settings.detect_seconds
+        return shared.pool.submit(function, *args, timeout_s=timeout_s).result()
+
+    found = shared.flights.vehicle.compare(flight, run)
+    return VehicleComparison.model_validate(found)

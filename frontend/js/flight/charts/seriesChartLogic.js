@@ -1,13 +1,13 @@
 /**
  * Charts of a flight's figures over time, each of a few columns of the trajectory.
  *
- * @typedef {import("./figuresLogic.js").Figures} Figures
- * @typedef {import("./figuresLogic.js").Palette} Palette
- * @typedef {import("../shared/components/plot.js").Chart} Chart
+ * @typedef {import("../figuresLogic.js").Figures} Figures
+ * @typedef {import("../figuresLogic.js").Palette} Palette
+ * @typedef {import("../../shared/components/plot.js").Chart} Chart
  */
 
-import { abscissa } from "./figuresLogic.js";
-import { stageName } from "./flightLogic.js";
+import { abscissa } from "../figuresLogic.js";
+import { stageName } from "../flightLogic.js";
 
 /** @type {Record<string, {title: string, unit: string, columns?: [string, string][], units?: Record<string, string>, log?: boolean}>} */
 export const SERIES = {
