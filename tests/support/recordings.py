@@ -115,7 +115,7 @@ def packets(frames: int, keyframe_every: int = 5) -> list[bytes]:
     return found
 
 
-def _ros_messages(scene: Scene, store: Any, is_ros1: bool) -> list[tuple[int, str, str, Any]]:
+def ros_messages(scene: Scene, store: Any, is_ros1: bool) -> list[tuple[int, str, str, Any]]:
     """Times of recording, topics, types and messages, in order."""
     types, out = store.types, []
 
@@ -170,7 +170,7 @@ def write_bag1(path: Path, scene: Scene, compression: str = "none") -> Path:
     writer.chunk_threshold = 2 * videos.WIDTH * videos.HEIGHT * 3
     with writer:
         known: dict[str, Any] = {}
-        for log_ns, topic, name, message in _ros_messages(scene, ROS1, is_ros1=True):
+        for log_ns, topic, name, message in ros_messages(scene, ROS1, is_ros1=True):
             if topic not in known:
                 known[topic] = writer.add_connection(topic, name, typestore=ROS1)
             writer.write(known[topic], log_ns, ROS1.serialize_ros1(message, name))
@@ -182,7 +182,7 @@ def write_bag2(folder: Path, scene: Scene, storage: str = "sqlite3") -> Path:
     plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
     with Writer2(folder, version=8, storage_plugin=plugin) as writer:
         known: dict[str, Any] = {}
-        for log_ns, topic, name, message in _ros_messages(scene, ROS2, is_ros1=False):
+        for log_ns, topic, name, message in ros_messages(scene, ROS2, is_ros1=False):
             if topic not in known:
                 known[topic] = writer.add_connection(topic, name, typestore=ROS2)
             writer.write(known[topic], log_ns, ROS2.serialize_cdr(message, name))

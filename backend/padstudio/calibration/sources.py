@@ -22,6 +22,8 @@ from padstudio.errors import CalibrationError, LimitError, StudioError
 from padstudio.media import content, images, zip_stills
 from padstudio.media.recordings import frames as recordings
 from padstudio.media.recordings import index as recordings_index
+from padstudio.media.recordings.folders import members_of
+from padstudio.media.sources import is_bag
 from padstudio.media.video_frames import VideoPicture, read_frames
 from padstudio.media.video_index import read_index
 
@@ -141,8 +143,8 @@ def _check_size(picture: NamedPicture, first: NamedPicture, count: int) -> None:
 
 
 def _pictures_of(name: str, path: Path, max_pixels: int) -> Iterator[NamedPicture]:
-    with _said_of(name), path.open("rb") as file:
-        kind = content.identify(file.read(content.HEAD_BYTES)).kind
+    with _said_of(name):
+        kind = _kind_of(path)
     if kind in ("video", "recording"):
         yield from _sharpest_frames(name, path, max_pixels, kind)
     elif kind == "stills":
@@ -153,6 +155,16 @@ def _pictures_of(name: str, path: Path, max_pixels: int) -> Iterator[NamedPictur
             yield _named(still, partial(_still_of, path, still, max_pixels))
     else:
         yield _named(name, partial(images.read, path, max_pixels))
+
+
+def _kind_of(path: Path) -> content.Kind:
+    if is_bag(path):
+        return "recording"
+    with path.open("rb") as file:
+        kind = content.identify(file.read(content.HEAD_BYTES)).kind
+    if kind == "stills" and members_of(path, zip_stills.ZipLimits()):
+        return "recording"
+    return kind
 
 
 def _named(name: str, decode: Callable[[], Image]) -> NamedPicture:

@@ -7,20 +7,26 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import cv2
 import lz4.frame
 import numpy as np
 import pytest
 import recordings as made
 import videos
 import zstandard
+from mcap.writer import Writer as McapWriter
 from recordings import INFO, ROS2, TOPIC, Scene
 from rosbags.rosbag2 import Writer
 
 from padstudio.errors import CameraFormatError, LimitError, SpecError
+from padstudio.flights.exports.forms import export
+from padstudio.flights.exports.options import ExportOptions
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.projection import LensModel
 from padstudio.media.content import ContentError
 from padstudio.media.recordings import storage, unpacking
 from padstudio.media.recordings.folders import members_of
+from padstudio.media.recordings.frames import read_frames
 from padstudio.media.recordings.index import read_index
 from padstudio.media.recordings.storage import RecordingError
 from padstudio.media.recordings.topics import Look, camera_of, look
@@ -192,3 +198,45 @@ def test_a_zip_holds_one_recording(tmp_path: Path) -> None:
     path.write_bytes(_zip(["a.bag"], bytes(10_000_000)).getvalue())
     with pytest.raises(LimitError, match="which pictures do not"):
         members_of(path, ZipLimits())
+
+
+@pytest.mark.parametrize("model", ["radtan", "fisheye"])
+def test_our_own_recordings_are_read_back(model: LensModel, tmp_path: Path) -> None:
+    distortion = [-0.03, 0.008, -0.004, 0.0006] if model == "fisheye" else [-0.2, 0.05, 0, 0, 0]
+    camera = Camera(videos.WIDTH, videos.HEIGHT, MATRIX, distortion, model=model)
+    failed = {"status": "failed", "stage": "lines", "reason": "no_lattice", "source": "a"}
+    size = {"frame_px": [videos.WIDTH, videos.HEIGHT]}
+    records = [failed | size | {"frame": n, "time_s": n / 25} for n in range(3)]
+    options = ExportOptions(
+        camera=camera,
+        picture=lambda record: bytes(cv2.imencode(".png", videos.picture(record["frame"]))[1]),
+        start_unix_s=1_750_000_000.0,
+    )
+    path = tmp_path / "a.mcap"
+    path.write_bytes(b"".join(export("mcap", records, options)))
+    found = look(str(path))
+    assert found.topic == "/camera/image"
+    again = Camera.loads(found.camera or "")
+    assert (again.model, again.matrix.tolist()) == (model, MATRIX.tolist())
+    assert again.distortion[:4].tolist() == distortion[:4]
+    index = read_index(str(path))
+    assert index.video.pts.tolist() == [1_750_000_000 * 10**9 + n * 40_000_000 for n in range(3)]
+    pictures = read_frames(str(path), index.video.pts.tolist(), index.times)
+    assert [videos.number_of(p.bgr) for p in pictures if p.bgr is not None] == [0, 1, 2]
+
+
+def test_messages_of_ros_1_in_mcap(tmp_path: Path) -> None:
+    shots = made.shots(3)
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start(profile="ros1", library="test")
+        schema = writer.register_schema("sensor_msgs/Image", "ros1msg", b"")
+        channel = writer.register_channel(TOPIC, "ros1", schema)
+        for log_ns, _, name, message in made.ros_messages(Scene(shots), made.ROS1, is_ros1=True):
+            data = bytes(made.ROS1.serialize_ros1(message, name))
+            writer.add_message(channel, log_ns, data, log_ns)
+        writer.finish()
+    index = read_index(str(path))
+    assert index.video.pts.tolist() == [shot.stamp_ns for shot in shots]
+    assert index.video.info.pixel_format == "bgr8"

@@ -22,8 +22,7 @@ from padstudio.flights.tasks.detectors import Recipe, detector_for
 from padstudio.flights.tasks.proxies import ProxyTarget, ProxyWriter
 from padstudio.media import images
 from padstudio.media.read_ahead import ReadAhead
-from padstudio.media.recordings import frames as recordings
-from padstudio.media.recordings.index import TopicTimes
+from padstudio.media.recordings.times import TopicTimes
 from padstudio.media.remote import read_bytes
 from padstudio.media.video_frames import Keep, VideoPicture, read_frames
 from padstudio.vision.detector import Detector
@@ -105,6 +104,8 @@ class VideoPart:
     def read(self, max_pixels: int, keep: Keep | None = None) -> Generator[VideoPicture]:
         """As `padstudio.media.video_frames.read_frames`."""
         if self.recording is not None:
+            from padstudio.media.recordings import frames as recordings
+
             return recordings.read_frames(
                 self.url, self.timestamps, self.recording, max_pixels=max_pixels, keep=keep
             )

@@ -15,7 +15,7 @@ from padstudio.flights.tasks.detectors import Recipe
 from padstudio.flights.tasks.frames import FramesTask, StillPart, VideoPart
 from padstudio.flights.tasks.planning import PlanTask, SourceFile
 from padstudio.flights.tasks.proxies import ProxyTarget
-from padstudio.media.recordings.index import TopicTimes
+from padstudio.media.recordings.times import TopicTimes
 
 if TYPE_CHECKING:
     from padstudio.store.database.flight_tables import ChunkRow, FlightRow

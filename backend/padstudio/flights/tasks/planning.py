@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from padstudio.errors import CameraMismatchError, SpecError, StudioError
 from padstudio.geometry.camera import Camera
-from padstudio.media.recordings import index as recordings
 from padstudio.media.telemetry import srt
 from padstudio.media.telemetry.columns import to_dict
 from padstudio.media.telemetry.reading import read
@@ -162,6 +161,8 @@ class PlanTask:
             return {"frames": len(members), "members": members}, None
         recording: dict[str, Any] = {}
         if file.kind == "recording":
+            from padstudio.media.recordings import index as recordings
+
             found = recordings.read_index(
                 file.url,
                 self.topic,

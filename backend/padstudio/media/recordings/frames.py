@@ -9,10 +9,10 @@ from padstudio.arrays import Image
 from padstudio.errors import ImageError
 from padstudio.media.images import MAX_PIXELS
 from padstudio.media.recordings.folders import open_recording
-from padstudio.media.recordings.index import TopicTimes
 from padstudio.media.recordings.messages import MessageError, RecordedPicture, read_picture
 from padstudio.media.recordings.pictures import to_bgr
 from padstudio.media.recordings.storage import Storage
+from padstudio.media.recordings.times import TopicTimes
 from padstudio.media.recordings.topics import picture_channels
 from padstudio.media.video_frames import Keep, VideoPicture, to_frame
 from padstudio.media.video_packets import codec_of, decode_packets, is_keyframe

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,35 +23,13 @@ from padstudio.media.recordings.messages import (
 )
 from padstudio.media.recordings.pictures import check_format, size_of
 from padstudio.media.recordings.storage import Channel, RecordingError, Storage
+from padstudio.media.recordings.times import Clock, TopicTimes
 from padstudio.media.recordings.topics import calibration_channels, lens_of, picture_channels
 from padstudio.media.video_index import MAX_FRAMES, VideoIndex, VideoInfo, gaps, varies
 from padstudio.media.video_packets import codec_of, decode_packets, is_keyframe
 
-Clock = Literal["header", "recorder"]
 # Sentences on losses of one kind that are told one by one.
 _TOLD = 3
-
-
-@dataclass(frozen=True)
-class TopicTimes:
-    """How a topic's frames are found again by their times.
-
-    Attributes
-    ----------
-    topic : str
-    clock : {"header", "recorder"}
-        Whose time a frame has: that of its message's header, or when the recorder took it.
-    least_ns, most_ns : int
-        By which the recorder's time is later than a frame's.
-    is_stream : bool
-        Frames are packets of a video stream, each resting on those before it.
-    """
-
-    topic: str
-    clock: Clock
-    least_ns: int
-    most_ns: int
-    is_stream: bool = False
 
 
 @dataclass(frozen=True, eq=False)

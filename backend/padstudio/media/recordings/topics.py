@@ -222,6 +222,8 @@ def _as_yaml(fields: Any, topic: str) -> str:
     """A calibration's message as ``ros2 topic echo`` writes it, which is a kind of camera file."""
     matrix, projection = _values(fields, "k"), _values(fields, "p")
     model, distortion = str(fields.distortion_model), _values(fields, "d")
+    # So Foxglove calls what ROS calls equidistant.
+    model = "equidistant" if model == "kannala_brandt" else model
     if _RECTIFIED in _image_name(topic) and len(projection) == 12:
         # Undistorted pictures are of the pinhole camera that the projection tells.
         matrix = [projection[4 * row + column] for row in range(3) for column in range(3)]

@@ -37,7 +37,7 @@ _MODELS: dict[str, tuple[LensModel, ...]] = {
     "radtan": ("radtan",),
     "fisheye": ("fisheye",),
 }
-_PICTURES = ("still", "stills", "video")
+_PICTURES = ("still", "stills", "video", "recording")
 PictureNumber = Annotated[int, Path(ge=0, lt=MOST_PICTURES, examples=[3])]
 
 

@@ -12,8 +12,7 @@ from padstudio.errors import StudioError
 from padstudio.flights.exports.frames.pictures import to_jpeg
 from padstudio.flights.tasks.frames import VideoPart
 from padstudio.media import images
-from padstudio.media.recordings import index as recordings
-from padstudio.media.recordings.index import TopicTimes
+from padstudio.media.recordings.times import TopicTimes
 from padstudio.media.video_index import VideoIndex, VideoInfo, read_index
 
 Record = dict[str, Any]
@@ -128,6 +127,8 @@ class SourceFiles:
         """A video's frames, or those of a recording's topic, with how these are found again."""
         path = str(self._folder / source)
         if source in self._topics:
+            from padstudio.media.recordings import index as recordings
+
             found = recordings.read_index(path, self._topics[source])
             return found.video, found.times
         return read_index(path), None
