@@ -97,6 +97,7 @@ PUBLIC = {"__version__"}
 #: Libraries that only some modules may import.
 CONFINED = {
     "alembic": ("store/",),
+    "apsw": ("media/recordings/",),
     "av": ("media/video", "simulate/video_writer"),
     "dask": ("flights/cluster/",),
     "distributed": ("flights/cluster/",),
@@ -116,7 +117,6 @@ CONFINED = {
     "reportlab": ("render/pdf/",),
     "rich": ("cli/",),
     "rosbags": ("flights/exports/", "media/recordings/"),
-    "sqlite3": ("media/recordings/",),
     "sqlalchemy": ("store/", "flights/"),
     "sse_starlette": ("web/",),
     "starlette": ("web/",),

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import recordings
 
 from padstudio.calibration import sources
 from padstudio.calibration.calibrate import MOST_PICTURES
@@ -110,3 +111,14 @@ def test_of_a_clip_the_sharpest_frames_are_taken_evenly(tmp_path: Path) -> None:
 def test_a_clip_of_one_frame_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CalibrationError, match=r"^1 picture; give 3"):
         read_pictures([clip(tmp_path, 1)])
+
+
+@pytest.mark.parametrize("is_zipped", [False, True])
+def test_a_recording_is_a_clip(tmp_path: Path, is_zipped: bool) -> None:
+    scene = recordings.Scene(recordings.shots(4), "compressed")
+    bag = recordings.write_bag2(tmp_path / "bag", scene)
+    if is_zipped:
+        bag = zipped(tmp_path, [(f"bag/{file.name}", file) for file in bag.iterdir()])[1]
+    shown = read_pictures([("bag", bag)])
+    assert [picture.name for picture in shown] == [f"bag #{n}" for n in range(4)]
+    assert [recordings.videos.number_of(picture.image) for picture in shown] == list(range(4))

@@ -36,6 +36,8 @@ _ENTRY = struct.Struct("<III")
 _LENGTH = struct.Struct("<I")
 # A header holds names, and a connection's the callers'.
 _MOST_HEADER_BYTES = 1_000_000
+# What comes of headers and fields that are not what they should be.
+_FAULTS = (ValueError, struct.error, KeyError, IndexError)
 
 
 class CutShortError(ValueError):
@@ -87,7 +89,7 @@ class Bag1File:
         def read(piece: Piece) -> list[Message]:
             try:
                 return list(self._messages_in(_chunk_at(file, piece.offset)))
-            except (ValueError, struct.error, KeyError) as error:
+            except _FAULTS as error:
                 tell(f"a part at byte {piece.offset} cannot be read ({error})")
                 return []
 
@@ -104,21 +106,24 @@ class Bag1File:
         while place < size:
             try:
                 op, header, length = _record_at(file, place)
-            except (ValueError, struct.error, KeyError):
+            except _FAULTS:
                 break
             data_at = file.tell()
             if data_at + length > size:
                 break
-            if op == _HEADER:
-                _check_encryption(header)
-            elif op == _CHUNK:
-                self._close(file, open_chunk, indexed)
-                open_chunk, indexed = place, []
-            elif op == _INDEX:
-                indexed.append(_span(header, file.read(length)))
-            elif op == _CONNECTION:
-                has_connections = True
-                self._learn(header, file.read(length))
+            try:
+                if op == _HEADER:
+                    _check_encryption(header)
+                elif op == _CHUNK:
+                    self._close(file, open_chunk, indexed)
+                    open_chunk, indexed = place, []
+                elif op == _INDEX:
+                    indexed.append(_span(header, file.read(length)))
+                elif op == _CONNECTION:
+                    has_connections = True
+                    self._learn(header, file.read(length))
+            except _FAULTS as error:
+                self._damage.append(f"a record at byte {place} cannot be read ({error!r})")
             place = data_at + length
         self._close(file, open_chunk, indexed)
         if place < size or not has_connections:
@@ -137,7 +142,7 @@ class Bag1File:
         if not indexed:
             try:
                 found = list(self._messages_in(_chunk_at(file, chunk)))
-            except (ValueError, struct.error, KeyError) as error:
+            except _FAULTS as error:
                 self._damage.append(f"a part at byte {chunk} cannot be read ({error})")
                 return
             indexed = [(m.channel, m.log_ns, m.log_ns) for m in found]
@@ -152,7 +157,7 @@ class Bag1File:
                 # What cannot be unpacked is told when it is read.
                 try:
                     list(self._messages_in(_chunk_at(file, piece.offset)))
-                except (ValueError, struct.error, KeyError):
+                except _FAULTS:
                     continue
 
     def _learn(self, header: dict[str, bytes], data: bytes) -> None:

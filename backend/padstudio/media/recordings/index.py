@@ -81,7 +81,7 @@ def read_index(
     """
     storage = open_recording(source)
     channels = picture_channels(storage, topic)
-    scan = _Scan(storage, channels, max_frames, pause)
+    scan = _Scan(storage, channels, max_pixels, max_frames, pause)
     pts, times, notes = _timed(scan, channels[0].topic)
     info = _describe(storage, scan, pts, notes, _first_size(scan, max_pixels))
     keyframes = np.flatnonzero(scan.is_key).astype(np.int64)
@@ -97,14 +97,18 @@ class _Scan:
         self,
         storage: Storage,
         channels: list[Channel],
+        max_pixels: int,
         max_frames: int,
         pause: Callable[[], object],
     ) -> None:
+        self._max_pixels, self._max_frames = max_pixels, max_frames
         self.kind = picture_kind(channels[0])
         self.log_ns: list[int] = []
         self.stamps_ns: list[int] = []
         self.is_key: list[bool] = []
         self.first: RecordedPicture | None = None
+        self.size: tuple[int, int] | None = None
+        self.fault = ""
         self._has_key = False
         self.damage = list(storage.damage)
         self.unread = 0
@@ -118,7 +122,7 @@ class _Scan:
             pause()
             channel = every[message.channel]
             if message.channel in mine:
-                self._take(channel, message.log_ns, message.data, max_frames)
+                self._take(channel, message.log_ns, message.data)
             else:
                 lenses.add(_lens(channel, message.data))
         self.damage += told[:_TOLD]
@@ -130,15 +134,15 @@ class _Scan:
                 "first one counts where no camera is given"
             )
 
-    def _take(self, channel: Channel, log_ns: int, data: bytes, max_frames: int) -> None:
+    def _take(self, channel: Channel, log_ns: int, data: bytes) -> None:
         try:
             picture = read_picture(channel, data)
         except MessageError:
             self.unread += 1
             return
-        if len(self.log_ns) >= max_frames:
+        if len(self.log_ns) >= self._max_frames:
             raise LimitError(
-                f"the topic has more than {max_frames} frames; cut the recording into parts",
+                f"the topic has more than {self._max_frames} frames; cut the recording into parts",
                 code="too_many_frames",
             )
         if picture.kind == "video":
@@ -147,12 +151,20 @@ class _Scan:
                 self.first, self._has_key = picture, True
             self.is_key.append(is_key)
         else:
-            if self.first is None:
-                check_format(picture)
+            self._measure(picture)
             self.is_key.append(True)
         self.first = self.first or picture
         self.log_ns.append(log_ns)
         self.stamps_ns.append(picture.stamp_ns)
+
+    def _measure(self, picture: RecordedPicture) -> None:
+        """Keep the size of the first picture that can be read."""
+        if self.size is None:
+            check_format(picture)
+            try:
+                self.size, self.first = size_of(picture, self._max_pixels), picture
+            except ImageError as error:
+                self.fault = self.fault or error.message
 
 
 def _lens(channel: Channel, data: bytes) -> tuple[Any, ...]:
@@ -213,23 +225,22 @@ def distinct(logs: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _first_size(scan: _Scan, max_pixels: int) -> tuple[int, int]:
+    """The size of the first picture that can be read."""
     first = scan.first
     assert first is not None
-    if first.kind != "video":
-        try:
-            return size_of(first, max_pixels)
-        except ImageError as error:
-            raise RecordingError(
-                f"the first picture cannot be read: {error.message}", code=error.error_code
-            ) from error
-    packets = [(0, bytes(first.data))]
-    for _, frame in decode_packets(packets, codec_of(first.format), max_pixels):
-        if frame is not None:
+    if first.kind == "video":
+        packets = [(0, bytes(first.data))]
+        for _, frame in decode_packets(packets, codec_of(first.format), max_pixels):
             return frame.width, frame.height
-    raise RecordingError(
-        "no picture of the video can be decoded: its keyframes are missing or damaged",
-        code="no_frames",
-    )
+        raise RecordingError(
+            "no picture of the video can be decoded: its keyframes are missing or damaged",
+            code="no_frames",
+        )
+    if scan.size is None:
+        raise RecordingError(
+            f"none of the pictures can be read; of the first: {scan.fault}", code="no_frames"
+        )
+    return scan.size
 
 
 def _describe(

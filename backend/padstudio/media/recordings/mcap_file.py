@@ -115,6 +115,9 @@ class McapFile:
             return False
         if summary is None or not summary.channels or not summary.chunk_indexes:
             return False
+        size = file.seek(0, 2)
+        if any(chunk.chunk_start_offset >= size for chunk in summary.chunk_indexes):
+            return False
         self._schemas, self._channels = summary.schemas, summary.channels
         if summary.statistics is not None:
             self._counts = dict(summary.statistics.channel_message_counts)
@@ -170,17 +173,22 @@ class McapFile:
                 self._pieces.append(Piece(min(times), max(times), place, inside))
 
     def _learn(self, op: int, content: bytes) -> None:
+        """Keep a schema or a channel; raises `ValueError` where it is damaged."""
         from mcap.data_stream import ReadDataStream
+        from mcap.exceptions import McapError
         from mcap.records import Channel as ChannelRecord
         from mcap.records import Schema
 
         stream = ReadDataStream(BytesIO(content))
-        if op == _SCHEMA_OP:
-            schema = Schema.read(stream)
-            self._schemas.setdefault(schema.id, schema)
-        else:
-            channel = ChannelRecord.read(stream)
-            self._channels.setdefault(channel.id, channel)
+        try:
+            if op == _SCHEMA_OP:
+                schema = Schema.read(stream)
+                self._schemas.setdefault(schema.id, schema)
+            else:
+                channel = ChannelRecord.read(stream)
+                self._channels.setdefault(channel.id, channel)
+        except McapError as error:
+            raise ValueError("a schema or channel is damaged") from error
 
     def _read_piece(self, file: IO[bytes], piece: Piece, tell: Tell) -> list[Message]:
         file.seek(piece.offset)

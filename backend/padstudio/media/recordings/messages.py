@@ -11,7 +11,7 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal
 
-from padstudio.media.recordings.storage import Channel
+from padstudio.media.recordings.storage import LAST_NS, Channel
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -108,6 +108,10 @@ def read_picture(channel: Channel, data: bytes) -> RecordedPicture:
     kind = _PICTURES[type_of(channel)]
     message = read_message(channel, data)
     try:
+        if not 0 <= stamp_ns(message) <= LAST_NS:
+            raise MessageError(f"a message of {channel.topic} has a stamp beyond all time")
+        # Raises where the bytes are none.
+        memoryview(message.data)
         if kind == "raw":
             return RecordedPicture(
                 kind,
@@ -120,6 +124,8 @@ def read_picture(channel: Channel, data: bytes) -> RecordedPicture:
                 bool(getattr(message, "is_bigendian", False)),
             )
         return RecordedPicture(kind, stamp_ns(message), str(message.format), message.data)
+    except MessageError:
+        raise
     except (AttributeError, TypeError, ValueError) as error:
         raise MessageError(f"a message of {channel.topic} lacks a field ({error})") from error
 

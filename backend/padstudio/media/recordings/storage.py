@@ -15,6 +15,9 @@ MAX_MESSAGE_BYTES = MAX_BYTES
 #: Bytes of one compressed part of a recording, unpacked; writers close theirs after some megabytes.
 MAX_CHUNK_BYTES = 1_000_000_000
 
+#: The last time there is, ns of Unix time: in the year 2262.
+LAST_NS = 2**63 - 1
+
 #: Takes a sentence on each loss.
 Tell = Callable[[str], None]
 
@@ -140,7 +143,8 @@ def in_order(
     """Messages of pieces that may overlap in time; as of `Storage.messages`."""
     wanted = frozenset(channels)
     first = -(2**63) if start_ns is None else start_ns
-    last = 2**64 if end_ns is None else end_ns
+    # Times beyond are none: they come of damage.
+    last = LAST_NS if end_ns is None else min(end_ns, LAST_NS)
     chosen = [p for p in pieces if p.end_ns >= first and p.start_ns <= last and p.channels & wanted]
     waiting: list[tuple[int, int, int, Message]] = []
     for piece in sorted(chosen, key=lambda p: (p.start_ns, p.offset)):
