@@ -22,7 +22,6 @@ from padstudio.errors import CameraFormatError, LimitError, SpecError
 from padstudio.flights.exports.forms import export
 from padstudio.flights.exports.options import ExportOptions
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.projection import LensModel
 from padstudio.media.content import ContentError
 from padstudio.media.recordings import storage, unpacking
 from padstudio.media.recordings.folders import members_of
@@ -100,6 +99,18 @@ def test_undistorted_pictures_have_the_projections_camera(tmp_path: Path) -> Non
     camera = Camera.loads(found.camera or "")
     assert np.array_equal(camera.matrix, projection.reshape(3, 4)[:, :3])
     assert not camera.distortion.any()
+
+
+def test_a_region_of_the_sensor_and_joined_pixels_count(tmp_path: Path) -> None:
+    kind = ROS2.types["sensor_msgs/msg/RegionOfInterest"]
+    region = kind(x_offset=20, y_offset=40, height=60, width=100, do_rectify=False)
+    path = _write_info(tmp_path / "a", TOPIC, INFO, roi=region, binning_x=2, binning_y=2)
+    camera = Camera.loads(look(str(path)).camera or "")
+    assert (camera.width, camera.height) == (50, 30)
+    assert camera.matrix[0, 0] == pytest.approx(MATRIX[0, 0] / 2)
+    # Pixel 0 of joined pairs lies between pixels 0 and 1.
+    centre = [(95.25 - 20 - 0.5) / 2, (63.5 - 40 - 0.5) / 2]
+    assert camera.matrix[:2, 2] == pytest.approx(centre)
 
 
 def test_a_lens_model_that_is_not_known_is_refused(tmp_path: Path) -> None:
@@ -201,7 +212,7 @@ def test_a_zip_holds_one_recording(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("model", ["radtan", "fisheye"])
-def test_our_own_recordings_are_read_back(model: LensModel, tmp_path: Path) -> None:
+def test_our_own_recordings_are_read_back(model: Any, tmp_path: Path) -> None:
     distortion = [-0.03, 0.008, -0.004, 0.0006] if model == "fisheye" else [-0.2, 0.05, 0, 0, 0]
     camera = Camera(videos.WIDTH, videos.HEIGHT, MATRIX, distortion, model=model)
     failed = {"status": "failed", "stage": "lines", "reason": "no_lattice", "source": "a"}
