@@ -45,13 +45,16 @@ class TwoMotions:
         """Of both, over the pad."""
         return 5 + self.climb_m * self._wave(3, time_s)
 
+    def angles(self, time_s: Any) -> Any:
+        """(N, 3) roll, pitch and yaw of the body."""
+        return np.column_stack([self.axes[k] * self._wave(k, time_s) for k in range(3)])
+
     def body(self, time_s: Any) -> Any:
         """(N, 3, 3) local from body."""
-        angles = [self.axes[k] * self._wave(k, time_s) for k in range(3)]
         return np.array(
             [
                 turn([0, 0, yaw]) @ turn([0, pitch, 0]) @ turn([roll, 0, 0])
-                for roll, pitch, yaw in zip(*angles, strict=True)
+                for roll, pitch, yaw in self.angles(time_s)
             ]
         )
 

@@ -7,7 +7,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
@@ -18,6 +18,8 @@ from padstudio.flights.exports.forms import FULL_POSES_ONLY
 from padstudio.flights.exports.from_file import PosesFile, export_file
 from padstudio.flights.exports.options import ExportChoices
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
+from padstudio.media import content
+from padstudio.media.telemetry.reading import read
 from padstudio.pad.spec import Pad
 
 _EXAMPLES = (
@@ -53,7 +55,8 @@ FrameSize = Annotated[
 ]
 Start = Annotated[float, typer.Option(min=0, help="Unix time of the flight's time 0, s.")]
 Vehicle = Annotated[
-    Path | None, typer.Option(help="Poses of the vehicle for px4, CSV; see docs/exports.md.")
+    Path | None,
+    typer.Option(help="Where the vehicle was, for px4: its log, or a CSV; see docs/exports.md."),
 ]
 Turned = Annotated[
     float, typer.Option(help="Of MAVLink: camera turned clockwise; at 0 its up is forward.")
@@ -94,7 +97,7 @@ def export(
         images=images,
         start_unix_s=start_unix_s,
         mount=Mount.downward(turned_deg, np.array([forward_m, right_m, down_m])),
-        vehicle=None if vehicle is None else _track(vehicle),
+        **({} if vehicle is None else _vehicle(vehicle)),
     )
     file = PosesFile(
         path=poses,
@@ -144,6 +147,11 @@ def _say_left_out(form: str, qualities: Counter[str]) -> None:
             note(f"{poses} left out, as {form} holds full poses only")
 
 
-def _track(path: Path) -> VehicleTrack:
-    with path.open(encoding="utf-8-sig") as file:
-        return VehicleTrack.from_csv(file)
+def _vehicle(path: Path) -> dict[str, Any]:
+    """What `ExportChoices` has of a file of the vehicle's: a table's track, or a log."""
+    with path.open("rb") as file:
+        is_log = content.is_log(file.read(content.HEAD_BYTES))
+    if is_log:
+        return {"log": read(str(path))}
+    with path.open(encoding="utf-8-sig") as lines:
+        return {"vehicle": VehicleTrack.from_csv(lines)}

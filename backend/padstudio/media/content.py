@@ -131,6 +131,14 @@ def identify(head: bytes) -> Content:
     return content
 
 
+def is_log(head: bytes) -> bool:
+    """Whether a file is a vehicle's log: ULog, DataFlash or MAVLink."""
+    try:
+        return identify(head) in (ULOG, DATAFLASH, TLOG)
+    except ContentError:
+        return False
+
+
 def name_of(content: Content, sha256: str) -> str:
     """A name for a file that was sent without one: the same for the same bytes.
 

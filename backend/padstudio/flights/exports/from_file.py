@@ -10,7 +10,8 @@ from padstudio.flights.exports.forms import TIMED, export
 from padstudio.flights.exports.frames.files import SourceFiles
 from padstudio.flights.exports.frames.pads import check_pad, of_pad
 from padstudio.flights.exports.frames.records import Survey, relative_names
-from padstudio.flights.exports.options import ExportChoices, ExportOptions
+from padstudio.flights.exports.from_log import track_of
+from padstudio.flights.exports.options import ExportChoices, ExportOptions, Record
 from padstudio.flights.results.poses_file import read_poses
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
@@ -60,7 +61,15 @@ def export_file(poses: PosesFile, choices: ExportChoices) -> FileExport:
     survey = Survey.of(read_poses(poses.path), choices.pad_id)
     check_pad(choices.form, survey.pads, choices.pad_id)
     if choices.form in TIMED:
-        survey.check_clock(choices.form, is_matched=choices.vehicle is not None)
+        is_matched = choices.vehicle is not None or choices.log is not None
+        survey.check_clock(choices.form, is_matched=is_matched)
+
+    def records() -> Iterator[Record]:
+        return of_pad(read_poses(poses.path), choices.pad_id)
+
+    vehicle = choices.vehicle
+    if vehicle is None and choices.log is not None:
+        vehicle = track_of(choices.log, records())
     files = SourceFiles(poses.folder, survey.sources, survey.topics)
     size = poses.frame_px
     options = ExportOptions(
@@ -71,7 +80,6 @@ def export_file(poses: PosesFile, choices: ExportChoices) -> FileExport:
         picture=files.picture if choices.images else None,
         start_unix_s=choices.start_unix_s,
         mount=choices.mount,
-        vehicle=choices.vehicle,
+        vehicle=vehicle,
     )
-    records = of_pad(read_poses(poses.path), choices.pad_id)
-    return FileExport(export(choices.form, records, options), survey, files)
+    return FileExport(export(choices.form, records(), options), survey, files)

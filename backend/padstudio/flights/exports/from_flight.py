@@ -8,7 +8,8 @@ from padstudio.flights.exports.forms import export
 from padstudio.flights.exports.frames.pads import check_pad, of_pad
 from padstudio.flights.exports.frames.pictures import FlightPictures, Run, flight_frame_px
 from padstudio.flights.exports.frames.records import relative_names
-from padstudio.flights.exports.options import ExportChoices, ExportOptions
+from padstudio.flights.exports.from_log import has_track, track_of
+from padstudio.flights.exports.options import ExportChoices, ExportOptions, Record
 from padstudio.flights.results.frames import Results
 from padstudio.geometry.camera import Camera
 from padstudio.pad.identity import pad_id
@@ -27,6 +28,7 @@ def export_flight(
         With its pads and camera.
     results : Results
     choices : ExportChoices
+        For px4, the flight's own telemetry says where the vehicle was, if nothing else does.
     run : callable
         Frames are decoded in worker processes.
     max_pixels : int
@@ -34,6 +36,15 @@ def export_flight(
     loaded = [Pad.loads(text) for text in (flight.pad, *(flight.other_pads or ()))]
     pads = {pad_id(pad): pad for pad in loaded}
     check_pad(choices.form, pads, choices.pad_id)
+
+    def records() -> Iterator[Record]:
+        return of_pad(results.every(flight), choices.pad_id)
+
+    log, vehicle = choices.log, choices.vehicle
+    if log is None and choices.form == "px4" and has_track(flight.telemetry):
+        log = flight.telemetry
+    if vehicle is None and log is not None:
+        vehicle = run(track_of, log, list(records()))
     options = ExportOptions(
         camera=Camera.loads(flight.camera),
         frame_px=flight_frame_px(flight, run, max_pixels),
@@ -42,6 +53,6 @@ def export_flight(
         picture=FlightPictures(flight, results, run, max_pixels) if choices.images else None,
         start_unix_s=choices.start_unix_s,
         mount=choices.mount,
-        vehicle=choices.vehicle,
+        vehicle=vehicle,
     )
-    return export(choices.form, of_pad(results.every(flight), choices.pad_id), options)
+    return export(choices.form, records(), options)

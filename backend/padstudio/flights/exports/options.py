@@ -40,6 +40,8 @@ class ExportChoices:
         How the camera sits on the vehicle.
     vehicle : VehicleTrack or None
         Where the vehicle was.
+    log : mapping or None
+        The vehicle's log instead, as of `padstudio.media.telemetry.reading.read`.
     """
 
     form: str
@@ -48,6 +50,7 @@ class ExportChoices:
     start_unix_s: float = 0.0
     mount: Mount = DOWNWARD
     vehicle: VehicleTrack | None = None
+    log: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -79,13 +79,11 @@ def compare(ours: OurPoses, columns: Mapping[str, Any]) -> dict[str, Any]:
           ``attitude_residual_deg``.
     """
     log = _Log.of(columns)
+    clock = clock_of(ours, columns)
     kind = columns.get("kind", "srt")
-    own = Motion(ours.time_s, ours.height_m, ours.time_s, ours.quaternion_wxyz)
-    on_flight_clock = kind in ON_FLIGHT_CLOCK
-    clock = ClockMatch(offset_s=0.0) if on_flight_clock else match_clocks(own, log.motion)
     found: dict[str, Any] = {
         "kind": kind,
-        "clock": asdict(clock) | {"is_flights": on_flight_clock},
+        "clock": asdict(clock) | {"is_flights": kind in ON_FLIGHT_CLOCK},
         "mount": None,
         "mount_reason": clock.reason or ("" if len(ours.frame) else "no frame has a pose"),
         "fit": None,
@@ -104,6 +102,14 @@ def compare(ours: OurPoses, columns: Mapping[str, Any]) -> dict[str, Any]:
     table = {"frame": ours.frame, "time_s": ours.time_s} | heights | attitudes
     found["columns"] = {name: _plain(values[chosen]) for name, values in table.items()}
     return found
+
+
+def clock_of(ours: OurPoses, columns: Mapping[str, Any]) -> ClockMatch:
+    """The clock of a log: that of the flight, or matched by the motion; as of `compare`."""
+    if columns.get("kind", "srt") in ON_FLIGHT_CLOCK:
+        return ClockMatch(offset_s=0.0)
+    own = Motion(ours.time_s, ours.height_m, ours.time_s, ours.quaternion_wxyz)
+    return match_clocks(own, _Log.of(columns).motion)
 
 
 def _mount(ours: OurPoses, log: _Log, times_s: Array) -> tuple[MountEstimate | str, Array]:

@@ -38,6 +38,11 @@ def read(source: str) -> dict[str, Any]:
     data = read_bytes(source, MAX_BYTES)
     if len(data) > MAX_BYTES:
         raise TelemetryError(f"the telemetry has more than {MAX_BYTES // 1_000_000} MB")
+    return parse(data)
+
+
+def parse(data: bytes) -> dict[str, Any]:
+    """Read the content of a file; as `read`."""
     try:
         kind = content.identify(data[: content.HEAD_BYTES]).suffix
     except ContentError as error:

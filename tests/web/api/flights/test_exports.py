@@ -15,6 +15,7 @@ import cv2
 import httpx
 import numpy as np
 import pytest
+import vehicle_logs
 from mcap.reader import make_reader
 from places import FOOTAGE, SAMPLES
 from web_server import running, settings_for, wait_until
@@ -119,6 +120,9 @@ def test_landing_targets(server: httpx.Client, flight: str, refused: Refused) ->
     refused(server.get(f"{flight}/export/px4"), 422, "vehicle_pose_required")
     track = "time_s,north_m,east_m,down_m,qw,qx,qy,qz\n-0.1,0,0,-1,1,0,0,0\n0.3,0,0,-1,1,0,0,0\n"
     found = server.post(f"{flight}/export/px4", files={"vehicle": ("v.csv", track)})
+    log = vehicle_logs.tlog(vehicle_logs.wandering(8.0))
+    unmatched = server.post(f"{flight}/export/px4", files={"vehicle": ("v.tlog", log)})
+    refused(unmatched, 422, "clock_not_matched")
     # A message of text and one for each frame.
     assert found.content.count(b"\xfd") >= FRAMES + 1
 

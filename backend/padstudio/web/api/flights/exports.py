@@ -16,6 +16,8 @@ from padstudio.flights.exports import from_flight
 from padstudio.flights.exports.forms import FORMS
 from padstudio.flights.exports.options import ExportChoices as WantedExport
 from padstudio.flights.exports.vehicle import Mount, VehicleTrack
+from padstudio.media import content
+from padstudio.media.telemetry.reading import parse
 from padstudio.web.server.services import (
     ERRORS,
     ItemId,
@@ -115,15 +117,25 @@ def export_flight_vehicle(
     shared: Shared,
     choices: Choices,
     vehicle: Annotated[
-        UploadFile, File(description="CSV: time_s,north_m,east_m,down_m,qw,qx,qy,qz.")
+        UploadFile,
+        File(
+            description="CSV on the flight's clock: time_s,north_m,east_m,down_m,qw,qx,qy,qz; or a "
+            "ULog, DataFlash or MAVLink log, whose clock is matched by the motion."
+        ),
     ],
 ) -> StreamingResponse:
     check_size(vehicle.size, shared.settings.max_telemetry_bytes, "track of the vehicle")
+    data = vehicle.file.read()
+    if content.is_log(data[: content.HEAD_BYTES]):
+        timeout_s = shared.settings.detect_seconds
+        log = shared.pool.submit(parse, data, timeout_s=timeout_s).result()
+        return _stream(shared, flight_id, form, choices, log=log)
     try:
-        lines = io.StringIO(vehicle.file.read().decode("utf-8-sig"))
+        lines = io.StringIO(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise SpecError(
-            "the vehicle's track is no text; send CSV", code="invalid_vehicle_track"
+            "the vehicle's track is neither text nor a log; send CSV, ULog, DataFlash or a tlog",
+            code="invalid_vehicle_track",
         ) from error
     return _stream(shared, flight_id, form, choices, vehicle=VehicleTrack.from_csv(lines))
 
@@ -135,6 +147,7 @@ def _stream(
     choices: ExportChoices,
     *,
     vehicle: VehicleTrack | None = None,
+    log: dict[str, Any] | None = None,
     images: bool = False,
 ) -> StreamingResponse:
     flight = shared.flights.flights.get(flight_id, texts=True)
@@ -156,6 +169,7 @@ def _stream(
         start_unix_s=choices.start_unix_s,
         mount=choices.mount,
         vehicle=vehicle,
+        log=log,
     )
     found = FORMS[form]
     return StreamingResponse(
