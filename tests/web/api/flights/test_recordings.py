@@ -97,3 +97,20 @@ def test_a_topic_is_chosen_from_those_there_are(api: Api, tmp_path: Path, refuse
     refused(api.order(upload, topic=OTHER, camera=None), 422, "camera_required")
     refused(api.order(camera=None), 422, "camera_required")
     refused(api.order(upload, api.video, topic=OTHER, camera=None), 422, "camera_required")
+
+
+def test_any_frame_of_a_video_stream_is_shown(api: Api, tmp_path: Path) -> None:
+    path = made.write_mcap(tmp_path / "stream.mcap", Scene(kind="video"))
+    upload = api.upload(path.read_bytes(), "stream.mcap")
+    matrix = [[200.0, 0, 96], [0, 200, 64], [0, 0, 1]]
+    camera = Camera(made.videos.WIDTH, made.videos.HEIGHT, matrix)
+    stored = api.post_file("/cameras", "small.yaml", camera.to_ros_yaml().encode())
+    ordered = api.order(upload, camera=stored).raise_for_status().json()
+    flight = api.finished(ordered["id"])
+    assert (flight["state"], flight["frames_total"]) == ("done", 12), flight["error"]
+    address = f"{API}/flights/{flight['id']}/frames"
+    for number in (7, 3, 11):
+        picture = api.client.get(f"{address}/{number}/pictures/frame.png").raise_for_status()
+        shown = cv2.imdecode(np.frombuffer(picture.content, np.uint8), cv2.IMREAD_COLOR)
+        assert made.videos.number_of(shown) == number
+        assert api.get(f"{flight['id']}/frames/{number}")["stamp_ns"] == START_NS + number * STEP_NS
