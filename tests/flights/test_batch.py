@@ -1,10 +1,13 @@
 import copy
 import json
 import os
+from pathlib import Path
 
+import flight_orders
 import frame_records
 import numpy as np
 import pytest
+import videos
 from places import ROOT
 
 from padstudio.flights import batch
@@ -90,6 +93,34 @@ def test_a_video_is_read_in_pieces_with_its_own_times():
         assert len(record["covariance"]) == 21
         assert record["frame_px"] == [2720, 1530]
     assert [record["frame"] for record in records] == [0, 20, 40]
+
+
+def test_frames_and_times_go_on_from_file_to_file(tmp_path):
+    first = videos.write(tmp_path / "a.mp4", 10)
+    broken = tmp_path / "b.mp4"
+    broken.write_text("no video")
+    second = videos.write(tmp_path / "c.mp4", 7)
+    small = Recipe(flight_orders.PAD, flight_orders.camera())
+    still = SAMPLES / "truth.json"
+    pieces = batch.plan([first, broken, second, still], small, stride=3)
+    found = [
+        (Path(piece.source).name, number, about["time_s"])
+        for piece in pieces
+        for number, about in zip(piece.numbers, piece.about, strict=True)
+    ]
+    # Every third frame of all, as a flight of them has it; 25 a second.
+    times = [0, 3 / 25, 6 / 25, 9 / 25, 10 / 25, (12 - 1) / 25, (15 - 1) / 25, None]
+    assert [(name, number) for name, number, _ in found] == [
+        *(("a.mp4", number) for number in (0, 3, 6, 9)),
+        ("b.mp4", 10),
+        *(("c.mp4", number) for number in (12, 15)),
+        ("truth.json", 18),
+    ]
+    assert [time_s for *_, time_s in found][:-1] == pytest.approx(times[:-1])
+    assert found[-1][2] is None
+    (record,) = batch.detect([piece for piece in pieces if piece.source == broken.as_posix()])
+    assert (record["frame"], record["reason"]) == (10, "not_a_video")
+    assert record["time_s"] == pytest.approx(10 / 25)
 
 
 def test_poses_of_a_video_are_fused_as_asked_for():
