@@ -8,7 +8,6 @@ import signal
 import struct
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,10 @@ from breaking_proxy import between
 from command_line import assert_one_line_error, run
 from places import SAMPLES
 from web_server import PAD_FILE, running, settings_for, wait_until
+
+from padstudio.cli.remote.following import follow
+from padstudio.cli.remote.ordering import Flight
+from padstudio.cli.remote.server import Server
 
 LANDING = SAMPLES / "flight" / "landing.mp4"
 GIVEN = ("--pad", SAMPLES / "pad.json", "--camera", SAMPLES / "flight" / "camera.yaml")
@@ -165,18 +168,20 @@ def test_a_flight_is_ordered_anew_only_where_that_is_said(studio: httpx.Client) 
     assert len(flights(studio)) == known + 3
 
 
-def test_a_cancelled_flight_is_told_and_tried_again(studio: httpx.Client, tmp_path: Path) -> None:
+def test_a_cancelled_flight_is_told_and_tried_again(
+    studio: httpx.Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     output = tmp_path / "poses.jsonl"
     asked = (*GIVEN, LANDING, "--name", "stopped", "-o", output)
 
-    def cancel() -> None:
-        wait_until(lambda: flights(studio)[0]["name"] == "stopped")
-        studio.post(f"/api/v1/flights/{flights(studio)[0]['id']}/cancel").raise_for_status()
+    def cancel_first(server: Server, flight: Flight) -> Flight:
+        # A second of work is left when the order has just been answered.
+        studio.post(f"/api/v1/flights/{flight['id']}/cancel").raise_for_status()
+        return follow(server, flight)
 
-    watch = threading.Thread(target=cancel)
-    watch.start()
-    result = remote(studio, *asked)
-    watch.join()
+    with monkeypatch.context() as patch:
+        patch.setattr("padstudio.cli.remote.remote.follow", cancel_first)
+        result = remote(studio, *asked)
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.endswith("run this again to try what is missing (cancelled)\n")
     assert not output.exists()

@@ -80,6 +80,8 @@ def test_what_says_nothing_of_the_lens_is_passed_over(line):
         "polynomial: [1, 2, 3]",
         "lens: {k1: 0.1}",
         "wide_angle: true",
+        "flip: horizontal",
+        "is_rectified: yes",
         "camera_name_2: [1, 2]",
     ],
 )

@@ -53,7 +53,8 @@ def test_opencv_reads_its_form(truth, name):
 
 
 def test_readout_and_nominal_are_kept():
-    camera = Camera(64, 48, np.diag([50.0, 50.0, 1.0]), nominal=True, readout_ms=12.5)
+    matrix = np.array([[50.0, 0, 31.5], [0, 50, 23.5], [0, 0, 1]])
+    camera = Camera(64, 48, matrix, nominal=True, readout_ms=12.5)
     for form in ("ros", "opencv"):
         back = Camera.loads(camera.to_form(form))
         assert (back.nominal, back.readout_ms) == (True, 12.5)

@@ -14,6 +14,9 @@ Data = Mapping[str, Any]
 LensModel = Literal["radtan", "fisheye"]
 ItemT = TypeVar("ItemT")
 
+# No lens sits so near a picture's corner, as parts of its sides; numbers in other units do.
+_CORNER = 0.1
+
 #: Code of the refusal of a file of several cameras, of which none was chosen.
 SEVERAL = "several_cameras"
 
@@ -68,13 +71,15 @@ def camera_fields(
     Raises
     ------
     CameraFormatError
-        If the matrix has skew, is not in pixels, or its principal point lies outside the picture.
+        If the matrix has skew, is not in pixels from the picture's corner, or its principal point
+        lies outside the picture.
     """
     width, height = whole_size(size, "image size")
-    if 0 < max(matrix[0, 2], matrix[1, 2]) <= 1 < min(width, height) / 4:
+    if abs(matrix[0, 2]) < _CORNER * width and abs(matrix[1, 2]) < _CORNER * height:
         raise CameraFormatError(
-            f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) is of a picture of 1 x 1; "
-            "give the camera matrix in pixels"
+            f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) is in the corner of "
+            f"{width} x {height}: it is in millimetres, over the picture's size, or counted from "
+            "its middle. Give the camera matrix in pixels from the top-left pixel"
         )
     if matrix[0, 1] or matrix[1, 0]:
         raise CameraFormatError("the camera matrix has skew; calibrate without it")

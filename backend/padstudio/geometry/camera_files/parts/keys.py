@@ -157,7 +157,7 @@ _MESSAGE_KEYS = {"r": 9, "p": 12}
 #: A key called so is no plain text: it is a part of a lens, or says which one it is.
 LENS_KEYS = re.compile(
     r".*(dist|fisheye|model|projection|skew|radial|tangential|rational|prism|omni|polynom|coeff"
-    r"|undist|affin|tilt|shear).*|[kpsbd]\d+|xi|alpha|beta|tau[xy]?|omega|gamma|kc|lens"
+    r"|undist|rectif|affin|tilt|shear|crop|scale|flip|mirror).*|[kpsbd]\d+|xi|alpha|beta|tau[xy]?|omega|gamma|kc|lens"
 )
 
 

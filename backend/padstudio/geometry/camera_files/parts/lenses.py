@@ -198,6 +198,11 @@ def _radtan(given: Array) -> Array:
         given = given[:8]
     if len(given) not in (4, 5, 8):
         raise CameraFormatError(f"radtan takes 4, 5 or 8 distortion coefficients, not {len(given)}")
+    if len(given) == 8 and given.any() and not (given % 1).any():
+        raise CameraFormatError(
+            "its eight distortion coefficients are whole numbers, as decimal commas leave of four; "
+            "write decimal points"
+        )
     return given
 
 

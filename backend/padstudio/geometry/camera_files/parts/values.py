@@ -152,7 +152,9 @@ def _collect(items: Any, found: list[float], place: str, depth: int) -> None:
 def _words(text: str) -> Any:
     """The numbers of a text, or the text where it is something else."""
     inner = text.strip()
-    if inner and _BRACKETS.get(inner[0]) == inner[-1]:
+    if not inner:
+        return None
+    if _BRACKETS.get(inner[0]) == inner[-1]:
         inner = inner[1:-1]
     words = inner.replace(",", " ").split()
     if not all(_NUMBER.fullmatch(word) for word in words):
