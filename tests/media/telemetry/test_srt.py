@@ -175,3 +175,21 @@ def test_telemetry_inside_a_video(name: str, codec: str, tmp_path: Path) -> None
 
 def test_a_video_without_telemetry(tmp_path: Path) -> None:
     assert read_embedded(str(videos.write(tmp_path / "a.mp4", 2))) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "height_m", "altitude_m"),
+    [
+        ("[rel_alt: 32.8ft abs_alt: 100 ft]", 9.99744, 30.48),
+        ("GPS(8.2001,47.1001,16) BAROMETER:10 feet", 3.048, None),
+        ("GPS(47.1,8.2,469.8) BAROMETER(12.4m)", 12.4, 469.8),
+        ("GPS(47.1,8.2,100ft) BAROMETER(10ft)", 3.048, 30.48),
+        ("GPS(W: 8.2, N: 47.1, 1000FT) ReH:10FT", 3.048, 304.8),
+        ("[rel_alt: 1.5e1 abs_alt: 2.5E-1]", 15, 0.25),
+        ("[rel_alt: 1.2 abs_alt: 1,432.860]", 1.2, None),
+    ],
+)
+def test_units_and_whole_numbers(text: str, height_m: float, altitude_m: float | None) -> None:
+    [sample] = parse_srt(CUE + text + "\n\n").samples
+    assert sample.height_m == pytest.approx(height_m, abs=1e-9)
+    assert sample.altitude_m == (altitude_m and pytest.approx(altitude_m, abs=1e-9))

@@ -25,9 +25,12 @@ from typing import Literal
 from padstudio.media import video
 from padstudio.media.telemetry.columns import Sample, Telemetry, TelemetryError
 
-_NUMBER = r"([-+]?\d+(?:\.\d+)?)"
+# Whole or not at all: no part of "1,432.86" is a number.
+_EXPONENT = r"(?:[eE][-+]?\d++)?+"
+_NUMBER = rf"([-+]?\d++(?:\.\d++)?+{_EXPONENT})(?!\.?\d)"
 # After a label of its own a number may have a decimal comma.
-_VALUE = r"([-+]?\d+(?:[.,]\d+)?)"
+_VALUE = rf"([-+]?\d++(?:[.,]\d++)?+{_EXPONENT})(?![.,]?\d)"
+_FEET = r"(?:\s*(ft|FT|feet)\b)?"
 _FOOT_M = 0.3048
 _CUE = re.compile(
     r"(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->\s*(\d+):(\d\d):(\d\d)[,.](\d{1,3})[^\n]*\n"
@@ -36,14 +39,14 @@ _TAG = re.compile(r"<[^>\n]{1,200}>|\{[^}\n]{1,200}\}")
 _FRAME = re.compile(r"(?:FrameCnt|SrtCnt)\s*:\s*(\d+)")
 _CLOCK = re.compile(r"\d{4}[-.]\d\d[-.]\d\d \d\d:\d\d:\d\d(?:[.,]\d{1,3})?")
 _HEIGHT = (
-    re.compile(rf"\brel_alt\s*:\s*{_VALUE}()"),
-    re.compile(rf"\bH\s+{_VALUE}\s*(m|ft)\b(?!/s)"),
-    re.compile(rf"\bBAROMETER\s*\(\s*{_NUMBER}()\s*\)"),
-    re.compile(rf"\b(?:BAROMETER|Hb|ReH)\s*:?\s*{_VALUE}()"),
+    re.compile(rf"\brel_alt\s*:\s*{_VALUE}{_FEET}"),
+    re.compile(rf"\bH\s+{_VALUE}\s*(m|ft|feet)\b(?!/s)"),
+    re.compile(rf"\bBAROMETER\s*\(\s*{_NUMBER}\s*([mM]|ft|FT|feet)?\s*\)"),
+    re.compile(rf"\b(?:BAROMETER|Hb|ReH)\s*:?\s*{_VALUE}{_FEET}"),
 )
 _ALTITUDE = (
-    re.compile(rf"\b(?:abs_alt|altitude)\s*:\s*{_VALUE}()"),
-    re.compile(rf"\bGPS\s*\([^)]*,\s*{_NUMBER}\s*([mM])\s*\)"),
+    re.compile(rf"\b(?:abs_alt|altitude)\s*:\s*{_VALUE}{_FEET}"),
+    re.compile(rf"\bGPS\s*\([^)]*,\s*{_NUMBER}\s*([mM]|ft|FT|feet)\s*\)"),
     re.compile(r"\bGPS\s*\([^)]*,\s*([-+]?\d+\.\d+)()\s*\)(?=[^\n]*\bBAROMETER\s*\()"),
 )
 _LATITUDE = re.compile(rf"\blatitude\s*:\s*{_VALUE}")
@@ -51,7 +54,7 @@ _LONGITUDE = re.compile(rf"\blongt?itude\s*:\s*{_VALUE}")
 _GPS = re.compile(rf"\bGPS\s*\(\s*{_NUMBER}\s*,\s*{_NUMBER}")
 _GPS_SIGNED = re.compile(rf"\bGPS\s*\(\s*([EW])\s*:\s*{_NUMBER}\s*,\s*([NS])\s*:\s*{_NUMBER}")
 _LATITUDE_FIRST = re.compile(r"\bBAROMETER\s*\(")
-_LONGITUDE_FIRST = re.compile(r"\bBAROMETER\s*:|\bD\s+[-+]?\d+(?:\.\d+)?\s*(?:m|ft)\b")
+_LONGITUDE_FIRST = re.compile(r"\bBAROMETER\s*:|\bD\s+[-+]?\d+(?:\.\d+)?\s*(?:m|ft|feet)\b")
 
 Order = Literal["latitude_first", "longitude_first"]
 
@@ -143,7 +146,7 @@ def _first(patterns: Sequence[re.Pattern[str]], text: str) -> float | None:
     for pattern in patterns:
         found = pattern.search(text)
         if found:
-            unit_m = _FOOT_M if found[2] == "ft" else 1.0
+            unit_m = _FOOT_M if (found[2] or "")[:1] in ("f", "F") else 1.0
             return _number(found[1]) * unit_m
     return None
 
