@@ -121,3 +121,13 @@ def test_a_lens_without_distortion_is_ticked(
     cameras.get_by_label("Download as").select_option("COLMAP")
     link = cameras.get_by_label("Download silent as of COLMAP").first
     expect(link).to_have_attribute("href", re.compile(r"/files/cameras\.txt$"))
+
+
+def test_a_pad_and_a_camera_among_the_files_are_taken_as_such(
+    open_page: Callable[..., Page],
+) -> None:
+    page = open_page("/cameras")
+    page.get_by_label("Choose files").set_input_files([CAMERA_FILE, PAD_FILE])
+    expect(page.locator("#status")).to_contain_text("Imported the pad")
+    expect(page.locator("#stored li").first).to_be_visible()
+    expect(page.locator("#picture-files li")).to_have_count(0)

@@ -156,6 +156,9 @@ def test_a_server_that_does_not_answer(
     expect(page.locator("[data-ref=refusal]")).to_contain_text("does not answer")
     assert [fault.split(":")[0] for fault in complaints.faults] == ["failed"]
     complaints.faults.clear()
+    page.unroute("**/api/v1/detect")
+    page.locator("#report").get_by_role("button", name="Try again").click()
+    expect(page.locator("#verdict")).to_contain_text("Pose found")
 
 
 def test_an_address_without_a_page(open_page: Callable[..., Page], complaints: Complaints) -> None:

@@ -107,6 +107,7 @@ def test_presets_the_link_and_the_command_line(bench: Page) -> None:
     expect(bench.locator("#workbench [data-ref=changed-count]")).to_have_text("all as usual")
     bench.locator("#preset").select_option("faint print")
     expect(_row(bench, "search.least_step").locator("[data-ref=number]")).to_have_value("0.4")
+    bench.once("dialog", lambda dialog: dialog.accept())
     bench.get_by_role("button", name="Remove the preset").click()
     expect(bench.locator("#status")).to_contain_text("Removed")
     bench.locator("#workbench").get_by_role("button", name="Copy link").click()

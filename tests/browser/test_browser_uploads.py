@@ -9,7 +9,7 @@ import cv2
 import httpx
 import numpy as np
 import recordings
-from browser_support import FOOTAGE, Complaints
+from browser_support import FOOTAGE, Complaints, set_up_reading
 from playwright.sync_api import Page, Route, expect
 
 SLOW_MS = 120_000
@@ -45,6 +45,39 @@ def test_a_broken_connection_costs_nothing(
     expect(row).to_contain_text("Trying again", timeout=SLOW_MS)
     expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
     assert broken == ["PATCH", "HEAD"]
+
+
+def test_a_second_click_orders_no_second_flight(
+    open_page: Callable[..., Page],
+    complaints: Complaints,
+    footage: tuple[Path, Path],
+    flight_path: str,
+) -> None:
+    complaints.expected = {422}
+    held: list[Route] = []
+    refusal = {"error": {"code": "x", "message": "not now", "detail": {}}}
+
+    def orders(page: Page, address: str, button: str, says: str) -> None:
+        held.clear()
+        page.route(address, lambda route: held.append(route))
+        order = page.get_by_role("button", name=button, exact=True)
+        order.click()
+        expect(order).to_be_disabled()
+        order.dispatch_event("click")
+        page.wait_for_timeout(100)
+        assert [route.request.method for route in held] == ["POST"]
+        held[0].fulfill(status=422, json=refusal)
+        expect(page.locator(says)).to_contain_text("Not now.")
+        expect(order).to_be_enabled()
+
+    page = open_page("/flights")
+    set_up_reading(page)
+    page.get_by_label("Choose files").set_input_files(footage[0])
+    expect(page.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
+    orders(page, "**/api/v1/flights", "Analyse", "#status")
+    page.goto(flight_path)
+    page.get_by_role("button", name="Run again …").click()
+    orders(page, "**/rerun", "Run", "#rerun [data-ref=refusal]")
 
 
 def test_an_upload_goes_on_after_a_reload(

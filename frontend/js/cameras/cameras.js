@@ -26,7 +26,7 @@ import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFooter } from "../shared/components/footer.js";
 import { mountStatus } from "../shared/components/status.js";
-import { kindOfFile } from "../shared/queueLogic.js";
+import { kindIn } from "../shared/intake.js";
 import { padGroups, padNote } from "../shared/readingLogic.js";
 import { mountCalibrationResult } from "./components/calibrationResult.js";
 import { mountCameraFiles } from "./components/cameraFiles.js";
@@ -55,7 +55,7 @@ const state = {
 
 const padChoice = mountChoice(byId("pad-choice"), {
   onChoose: (pad) => set({ pad }),
-  onFile: (file) => void attempt(() => importPad(file)),
+  onFile: (file) => void attempt(() => importPad(file), file.name),
 });
 const files = mountPictureFiles(byId("picture-files"), {
   onRemove: (key) => run.remove((file) => key === null || file.key === key),
@@ -110,12 +110,12 @@ function render() {
   status.update(failed ? { kind: "bad", text: `No calibration: ${failed}.` } : state.status);
 }
 
-/** @param {() => Promise<void>} act */
-async function attempt(act) {
+/** @param {() => Promise<void>} act @param {string} [file]  name of the one that it is done with */
+async function attempt(act, file) {
   try {
     await act();
   } catch (error) {
-    set({ status: { kind: "bad", text: messageOf(error) } });
+    set({ status: { kind: "bad", text: messageOf(error, file) } });
   }
 }
 
@@ -154,15 +154,23 @@ byId("lens").addEventListener("change", () => set({ lens: byId("lens").value }))
 byId("camera-file").addEventListener("change", () => {
   const [file] = byId("camera-file").files;
   byId("camera-file").value = "";
-  if (file) void attempt(() => importCamera(file));
+  if (file) void attempt(() => importCamera(file), file.name);
 });
 mountDropZone(byId("drop-zone"), {
-  onFiles: (chosen) => {
-    const camera = chosen.length === 1 && kindOfFile(chosen[0].name, "") === "camera";
-    if (camera) void attempt(() => importCamera(chosen[0]));
-    else run.add(chosen);
-  },
+  onFiles: (chosen) => void takeFiles(chosen),
 });
+
+/** Whatever was dropped: pads and cameras are stored, the rest is of the calibration. @param {File[]} chosen */
+async function takeFiles(chosen) {
+  const pictures = [];
+  for (const file of chosen) {
+    const kind = await kindIn(file);
+    if (kind === "pad") await attempt(() => importPad(file), file.name);
+    else if (kind === "camera") await attempt(() => importCamera(file), file.name);
+    else if (kind !== "truth") pictures.push(file);
+  }
+  if (pictures.length) run.add(pictures);
+}
 mountFooter();
 render();
 void attempt(async () => {

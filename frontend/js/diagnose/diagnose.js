@@ -72,6 +72,10 @@ const report = mountPoseReport(byId("report"), {
   onCopy: () => void copyRecord(),
   onBundle: makeBundle,
   onTurn: (quarter) => void turnBack(quarter),
+  onAgain: () => {
+    set({ frames: queue.triedAgain(state.frames) });
+    void reader.work();
+  },
 });
 const workbench = mountWorkbench(byId("workbench"), {
   onChange: () => keepAddress(),

@@ -12,7 +12,7 @@
  */
 
 import * as api from "../server/api.js";
-import { isAbort, messageOf } from "../server/request.js";
+import { isAbort, isPassing, messageOf } from "../server/request.js";
 import { turnedSize } from "./turning.js";
 import { padIds } from "../shared/readingLogic.js";
 
@@ -32,7 +32,8 @@ export function makeReader({ next, job, change }) {
       if (!signal.aborted) change(id, { status: answer.result.status, answer });
     } catch (error) {
       // A picture that was stopped waits again under its new terms, or is gone.
-      if (!isAbort(error)) change(id, { status: "refused", message: messageOf(error), turned: turnedSize(error) });
+      if (isAbort(error)) return;
+      change(id, { status: "refused", message: messageOf(error), turned: turnedSize(error), passing: isPassing(error) });
     }
   }
 

@@ -64,6 +64,7 @@ export function sweepInWords({ state, error, values, won, lost, frames_done: don
   const gain = values.map((_, at) => won[at] - lost[at]);
   const best = gain.indexOf(Math.max(...gain));
   const end = state === "cancelled" ? `Stopped: ${read}. ` : "";
+  if (!done) return end.trim() || `${read}.`;
   if (gain[best] <= 0) return `${end}No value wins more frames than it loses.`;
   const losing = lost[best] ? `loses ${number(lost[best])}` : "loses none";
   return `${end}${values[best]} wins ${number(won[best])} and ${losing}: most of these values.`;

@@ -6,6 +6,7 @@
  * @typedef {object} OwnState
  * @property {import("./uploadsLogic.js").Item[]} items  files of the new flight
  * @property {boolean} ordered  starts as soon as all files are there
+ * @property {boolean} starting  it is ordered, and the server has not answered yet
  * @property {Flight[]} flights
  * @property {number | null} total  of them; null until it is known
  * @property {number} limit  of those that are shown
@@ -47,6 +48,7 @@ const state = {
   ...readingChoiceFrom(address),
   items: [],
   ordered: false,
+  starting: false,
   flights: [],
   total: null,
   limit: PAGE,
@@ -129,7 +131,8 @@ function render() {
   const hint = ordered ? "Starts as soon as every file is sent." : needed;
   if (byId("missing").textContent !== hint) byId("missing").textContent = hint;
   byId("start").textContent = ordered ? "Do not start" : readyIds(items) ? "Analyse" : "Analyse when sent";
-  byId("start").disabled = Boolean(needed);
+  // A second order while the first is under way would be a second flight.
+  byId("start").disabled = Boolean(needed) || state.starting;
   status.update(state.status);
   writeAddress({
     pad: state.pad,
@@ -167,7 +170,7 @@ const rangeFields = () => ({
 });
 
 async function start() {
-  set({ ordered: false, status: { kind: "quiet", text: "Starting …" } });
+  set({ ordered: false, starting: true, status: { kind: "quiet", text: "Starting …" } });
   const { method } = state;
   const camera = takesRecordedCamera() ? "" : state.camera;
   const pads = padIds(state);
@@ -188,6 +191,7 @@ async function start() {
     set({ status: { kind: "bad", text: messageOf(error) } });
     if (error instanceof ApiError && Array.isArray(error.detail.topics)) offerTopics(error.detail.topics);
   }
+  set({ starting: false });
 }
 
 /** @param {string[]} topics  of which one is to be chosen */
@@ -250,6 +254,7 @@ byId("range").addEventListener("input", checkRange);
 byId("order").addEventListener("input", () => set({}));
 byId("order").addEventListener("submit", (/** @type {Event} */ event) => {
   event.preventDefault();
+  if (state.starting) return;
   if (checkRange()) set({ ordered: !state.ordered, status: null });
   else byId("first").focus();
 });

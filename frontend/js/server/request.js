@@ -100,14 +100,20 @@ async function refusal(response) {
 /** @param {unknown} error @returns {boolean} true where a newer request took its place */
 export const isAbort = (error) => error instanceof DOMException && error.name === "AbortError";
 
+/** @param {unknown} error @returns {boolean} true where the server could not answer, and the same may go well later */
+export const isPassing = (error) => error instanceof ApiError && (error.status === 0 || error.status >= 500);
+
 /**
  * The sentence of an error, for the page.
  * @param {unknown} error
+ * @param {string} [file]  name of the one it is about; stands first, and once
  * @returns {string}
  */
-export function messageOf(error) {
+export function messageOf(error, file = "") {
   const text = error instanceof Error ? error.message : String(error);
-  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".");
+  const end = /[.!?]$/.test(text) ? "" : ".";
+  if (file && text.startsWith(`${file}: `)) return text + end;
+  return (file && `${file}: `) + text.charAt(0).toUpperCase() + text.slice(1) + end;
 }
 
 /**

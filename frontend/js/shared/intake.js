@@ -23,17 +23,23 @@ import { simulateFrames } from "./simulatedFrames.js";
 
 const HEAD_BYTES = 400;
 
+/** What a file is, by its name and its beginning. @param {File} file */
+export async function kindIn(file) {
+  const head = /\.json$/i.test(file.name) ? await file.slice(0, HEAD_BYTES).text() : "";
+  return kindOfFile(file.name, head);
+}
+
 /**
  * @param {IntakeOptions} options
  */
 export function makeIntake({ known, onPad, onCamera, onPictures, onBundle, onStatus }) {
-  /** @param {string} doing @param {string} place @param {() => Promise<string>} act */
-  async function report(doing, place, act) {
+  /** @param {string} doing @param {string} file  its name, or empty @param {() => Promise<string>} act */
+  async function report(doing, file, act) {
     onStatus({ kind: "quiet", text: doing });
     try {
       onStatus({ kind: "ok", text: await act() });
     } catch (error) {
-      onStatus({ kind: "bad", text: place + messageOf(error) });
+      onStatus({ kind: "bad", text: messageOf(error, file) });
     }
   }
 
@@ -71,9 +77,9 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onBundle, onSta
   }
 
   const takePad = (/** @type {File} */ file) =>
-    report(`Sending ${file.name} …`, `${file.name}: `, () => importPad(file));
+    report(`Sending ${file.name} …`, file.name, () => importPad(file));
   const takeCamera = (/** @type {File} */ file) =>
-    report(`Sending ${file.name} …`, `${file.name}: `, () => importCamera(file));
+    report(`Sending ${file.name} …`, file.name, () => importCamera(file));
 
   return {
     takePad,
@@ -102,11 +108,10 @@ export function makeIntake({ known, onPad, onCamera, onPictures, onBundle, onSta
     async takeFiles(files) {
       const pictures = [];
       for (const file of files) {
-        const head = /\.json$/i.test(file.name) ? await file.slice(0, HEAD_BYTES).text() : "";
-        const kind = kindOfFile(file.name, head);
+        const kind = await kindIn(file);
         if (kind === "pad") await takePad(file);
         else if (kind === "camera") await takeCamera(file);
-        else if (kind === "bundle" && onBundle) await report(`Opening ${file.name} …`, `${file.name}: `, () => onBundle(file));
+        else if (kind === "bundle" && onBundle) await report(`Opening ${file.name} …`, file.name, () => onBundle(file));
         else if (kind !== "truth") pictures.push(file);
       }
       if (pictures.length) onPictures(pictures);

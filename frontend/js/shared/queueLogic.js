@@ -12,6 +12,8 @@
  * @property {"waiting" | "running" | "ok" | "failed" | "refused"} status
  * @property {DetectAnswer | null} answer
  * @property {string} message  why the server refused the picture
+ * @property {boolean} [barred]  it is never sent, whatever it is read with
+ * @property {boolean} [passing]  the server could not answer; a later try may go well
  * @property {[number, number] | null} [turned]  its width and height, where it was refused as turned by a quarter
  */
 
@@ -29,7 +31,7 @@ let count = 0;
 export function newFrame(file, fault = "") {
   count += 1;
   const status = fault ? "refused" : "waiting";
-  return { id: `f${count}`, name: file.name, file, status, answer: null, message: fault };
+  return { id: `f${count}`, name: file.name, file, status, answer: null, message: fault, barred: Boolean(fault) };
 }
 
 /**
@@ -55,7 +57,7 @@ export function withFrame(frames, id, change) {
 }
 
 /**
- * All pictures wait again, because the pad, the camera or the method changed. What has no file but
+ * All pictures that can be sent wait again, because the pad, the camera or the method changed. What has no file but
  * is kept by the server stays, as the workbench reads it anew; results without either go.
  * @param {Frame[]} frames
  * @returns {Frame[]}
@@ -63,8 +65,18 @@ export function withFrame(frames, id, change) {
 export function requeued(frames) {
   return frames
     .filter((frame) => frame.file || frame.answer?.trace)
-    .map((frame) => (frame.file ? { ...frame, status: "waiting", answer: null, message: "", turned: null } : frame));
+    .map((frame) => (frame.file && !frame.barred ? waiting(frame) : frame));
 }
+
+/** @param {Frame} frame @returns {Frame} */
+const waiting = (frame) => ({ ...frame, status: "waiting", answer: null, message: "", turned: null, passing: false });
+
+/**
+ * Pictures that the server could not answer for wait again; those that it refused stay so.
+ * @param {Frame[]} frames
+ * @returns {Frame[]}
+ */
+export const triedAgain = (frames) => frames.map((frame) => (frame.passing ? waiting(frame) : frame));
 
 /**
  * A frame without a file as the workbench read it last.

@@ -1,7 +1,7 @@
 import {
-  boundsOf, byStage, commandLine, faultOf, flat, nested, positionOf, STEPS, valueAt, valuesFromText, valuesToText, withValue, withoutFaults,
+  boundsOf, byStage, commandLine, faultOf, flat, nested, positionOf, replaceQuestion, STEPS, valueAt, valuesFromText, valuesToText, withValue, withoutFaults,
 } from "/static/js/shared/workbench/paramsLogic.js";
-import { equal } from "./check.js";
+import { contains, equal } from "./check.js";
 
 const param = (name, change = {}) => ({
   name, group: name.includes(".") ? name.split(".")[0] : "", kind: "float", default: 1, low: 0, high: 10, not_below: null, not_above: null,
@@ -33,6 +33,13 @@ export const tests = {
     const values = withValue({}, STEP, 0.4);
     equal(values, { "search.least_step": 0.4 });
     equal(withValue(values, STEP, 0.6), {});
+  },
+  "a preset takes another's name only when asked, whatever the method": () => {
+    const kept = { name: "faint", method: "dense", params: { search: { least_step: 0.4, least_edges: 20 } } };
+    const same = { ...kept, params: { search: { least_edges: 20, least_step: 0.4 } } };
+    equal([replaceQuestion(same, [kept]), replaceQuestion({ ...kept, name: "new" }, [kept]), replaceQuestion(kept, [])], ["", "", ""]);
+    contains(replaceQuestion({ ...kept, params: {} }, [kept]), "with other values");
+    contains(replaceQuestion({ ...kept, method: "paper" }, [kept]), "method dense");
   },
   "values nest as the server takes them, and come back": () => {
     const values = { "search.least_step": 0.4, log10_false_alarm: -8, "prepare.unmix": false };

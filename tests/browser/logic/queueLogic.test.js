@@ -4,7 +4,7 @@ import {
 import { padAmongSeveral } from "/static/js/shared/poseLogic.js";
 import { compact, duration, length, moment, number, powerOfTen } from "/static/js/shared/formatLogic.js";
 import {
-  faultBeforeUpload, frameNote, frameOfAnswer, kindOfFile, newFrame, nextWaiting, requeued, tally,
+  faultBeforeUpload, frameNote, frameOfAnswer, kindOfFile, newFrame, nextWaiting, requeued, tally, triedAgain,
   withFrame, withReading,
 } from "/static/js/shared/queueLogic.js";
 import { contains, equal } from "./check.js";
@@ -28,6 +28,16 @@ export const tests = {
     const done = frames().map((frame) => ({ ...frame, status: "failed", message: "x" }));
     const again = requeued([frameOfAnswer(answer("ok")), ...done]);
     equal(again.map((frame) => [frame.status, frame.message]), Array(3).fill(["waiting", ""]));
+  },
+  "what is never sent stays refused under new terms": () => {
+    const video = newFrame(new File(["x"], "a.mp4"), faultBeforeUpload({ name: "a.mp4", size: 1 }, 0));
+    equal(requeued([video]), [video]);
+    equal(nextWaiting(triedAgain([video]), video.id), null);
+  },
+  "pictures that the server could not answer for are tried again, those that it refused are not": () => {
+    const [lost, refused, done] = frames();
+    const list = [{ ...lost, status: "refused", message: "x", passing: true }, { ...refused, status: "refused", message: "y" }, { ...done, status: "ok" }];
+    equal(triedAgain(list).map(({ status, message, passing }) => [status, message, Boolean(passing)]), [["waiting", "", false], ["refused", "y", false], ["ok", "", false]]);
   },
   "what the server keeps stays under new terms, and is as the workbench read it last": () => {
     const kept = frameOfAnswer({ ...answer("ok"), trace: { id: "t" } });

@@ -10,6 +10,9 @@ const sweep = (change = {}) => ({
 });
 
 export const tests = {
+  "of a sweep that was stopped before it read anything nothing is said": () => {
+    equal(sweepInWords(sweep({ state: "cancelled", frames_done: 0, won: [0, 0, 0], lost: [0, 0, 0] })), "Stopped: 0 of 9 frames read.");
+  },
   "a range lies about the usual value, within what is allowed": () => {
     equal(usualRange(param()), { from: 0.15, to: 2.4 });
     equal(usualRange(param({ default: 40 })), { from: 10, to: 50 });

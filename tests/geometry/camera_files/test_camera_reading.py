@@ -210,6 +210,7 @@ def test_save_and_load(tmp_path):
         ("just words", "c.yaml: holds no keys and values"),
         ("[1, 2]", "c.yaml: holds no keys and values"),
         ("a: 1", "c.yaml: has neither camera_matrix"),
+        ('{"format": "padstudio.pad", "layers": []}', "c.yaml: is a pad file; give it as the pad"),
         (ROS.replace("image_width: 1280\n", ""), "has no image_width and image_height"),
         (ROS.replace("1280", "0"), r"the image size is \[0, 960\]"),
         (ROS.replace("1280", "99999999"), "the image size is"),

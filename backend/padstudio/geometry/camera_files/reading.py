@@ -26,6 +26,9 @@ from padstudio.geometry.camera_files.forms import (
 from padstudio.geometry.camera_files.parts import plain_text, xml_text
 from padstudio.geometry.camera_files.parts.fields import Asked, CameraFields, Data, naming
 
+# What `padstudio.pad.files` writes: the file that is given by mistake most often.
+_PAD_FORMAT = "padstudio.pad"
+
 # Keys at the top of files of programs whose lenses are other than ours, or whose files say more
 # than a camera.
 _FOREIGN = {
@@ -116,6 +119,8 @@ def _from_xml(data: bytes, stem: str, asked: Asked) -> CameraFields:
 def _from_values(values: Any, stem: str, asked: Asked) -> CameraFields:
     if not isinstance(values, dict):
         raise CameraFormatError("holds no keys and values; give a camera calibration")
+    if values.get("format") == _PAD_FORMAT:
+        raise CameraFormatError("is a pad file; give it as the pad, and a camera calibration here")
     for key, what in _FOREIGN.items():
         if key in values:
             raise CameraFormatError(f"is {what}, which is not read; docs/camera-files.md lists all")

@@ -92,7 +92,9 @@ export function mountRerunDialog(dialog, { onRun }) {
   async function submit(event) {
     event.preventDefault();
     byId("range-error").textContent = rangeFault(range());
-    if (rangeFault(range())) return;
+    if (rangeFault(range()) || find("run").disabled) return;
+    // A second order while the first is under way would be a second run.
+    find("run").disabled = true;
     try {
       await onRun({
         // What was chosen by its id may be gone; the run keeps copies of its own.
@@ -108,6 +110,7 @@ export function mountRerunDialog(dialog, { onRun }) {
     } catch (error) {
       find("refusal").textContent = messageOf(error);
     }
+    find("run").disabled = false;
   }
 
   find("form").addEventListener("submit", submit);

@@ -5,13 +5,15 @@
  * @typedef {import("../../server/tuningApi.js").Sweep} Sweep
  */
 
-import { messageOf } from "../../server/request.js";
+import { ApiError, messageOf } from "../../server/request.js";
 import { getSweep, listParameters, startSweep, stopSweep } from "../../server/tuningApi.js";
 import { makeDraft } from "../../shared/address.js";
 import { mountPlot } from "../../shared/components/plot.js";
 import { rangeFault, sweepChart, sweepInWords, usualRange, valueInWords, valuesBetween } from "../sweepLogic.js";
 
 const AGAIN_MS = 400;
+/** Until a server that did not answer is asked again. */
+const LATER_MS = 2000;
 
 /**
  * @param {HTMLDetailsElement} root
@@ -75,28 +77,52 @@ export function mountSweepPanel(root, id, { settings, onTake, onBegin }) {
     if (!parameter) return;
     find("fault").textContent = rangeFault(parameter, range());
     if (find("fault").textContent) return;
+    if (find("begin").disabled) return;
+    // A second one while the first is asked for would be one that nobody sees.
+    find("begin").disabled = true;
     window.clearTimeout(timer);
     try {
       const frames = { failed: find("failed").valueAsNumber, read: find("read").valueAsNumber };
       sweep = await startSweep(id, { parameter: parameter.name, values: valuesBetween(parameter, range()), ...frames, ...settings() });
       onBegin();
-      follow();
     } catch (error) {
       find("fault").textContent = messageOf(error);
     }
+    find("begin").disabled = false;
+    follow();
   }
 
+  /** Show it, and look again while it runs. */
   function follow() {
     render();
-    if (!sweep || !isRunning()) return;
-    timer = window.setTimeout(async () => {
-      try {
-        sweep = await getSweep(/** @type {Sweep} */ (sweep).id);
-        follow();
-      } catch (error) {
-        find("fault").textContent = messageOf(error);
+    if (isRunning()) timer = window.setTimeout(() => void look(), AGAIN_MS);
+  }
+
+  async function look() {
+    const asked = /** @type {Sweep} */ (sweep);
+    try {
+      sweep = await getSweep(asked.id);
+      find("fault").textContent = "";
+      follow();
+    } catch (error) {
+      find("fault").textContent = messageOf(error);
+      if (!(error instanceof ApiError && error.status === 404)) {
+        timer = window.setTimeout(() => void look(), LATER_MS);
+        return;
       }
-    }, AGAIN_MS);
+      // It went with the server that made it.
+      sweep = null;
+      render();
+    }
+  }
+
+  async function stop() {
+    if (!sweep) return;
+    try {
+      await stopSweep(sweep.id);
+    } catch (error) {
+      find("fault").textContent = messageOf(error);
+    }
   }
 
   const isRunning = () => sweep?.state === "queued" || sweep?.state === "running";
@@ -109,10 +135,11 @@ export function mountSweepPanel(root, id, { settings, onTake, onBegin }) {
   function render() {
     const shown = sweep;
     find("result").hidden = !shown;
+    find("bar").hidden = find("stop").hidden = !isRunning();
+    find("begin").disabled = isRunning();
     if (!shown) return;
     find("words").textContent = sweepInWords(shown);
     [find("bar").max, find("bar").value] = [shown.frames_total, shown.frames_done];
-    find("bar").hidden = find("stop").hidden = !isRunning();
     const { unit = "" } = all.find(({ name }) => name === shown.parameter) ?? {};
     plot.show((colour) => sweepChart(shown, unit, colour));
     find("rows").replaceChildren(...shown.values.map((value, at) => {
@@ -130,7 +157,7 @@ export function mountSweepPanel(root, id, { settings, onTake, onBegin }) {
   });
   find("parameter").addEventListener("change", offer);
   find("form").addEventListener("submit", begin);
-  find("stop").addEventListener("click", () => sweep && void stopSweep(sweep.id));
+  find("stop").addEventListener("click", () => void stop());
 
   return {
     /** The sweep that is shown; null where there is none. */

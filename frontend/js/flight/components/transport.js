@@ -39,7 +39,10 @@ export function mountTransport(root, events) {
   find("play").addEventListener("click", events.onPlay);
   find("whole").addEventListener("click", events.onWhole);
   find("reason").addEventListener("change", () => events.onReason(find("reason").value));
+  let isTyping = false;
+  find("number").addEventListener("input", () => (isTyping = true));
   find("number").addEventListener("change", () => {
+    isTyping = false;
     const frame = find("number").valueAsNumber;
     if (Number.isFinite(frame)) events.onFrame(frame);
   });
@@ -94,7 +97,7 @@ export function mountTransport(root, events) {
       find("play").textContent = playing ? "Pause" : "Play";
       find("whole").hidden = !zoomed;
       find("time").textContent = timeS === null ? "" : clock(timeS);
-      if (document.activeElement !== find("number")) find("number").value = frame ?? "";
+      if (!isTyping) find("number").value = frame ?? "";
       find("number").step = whole?.stride ?? 1;
       find("number").min = whole?.first ?? 0;
       find("number").max = whole?.last ?? "";

@@ -9,6 +9,7 @@
  */
 
 import { previewUrl } from "../../server/flightsApi.js";
+import { send } from "../../server/request.js";
 
 /** The server is not asked for frames that are only passed. */
 const SHARP_MS = 120;
@@ -68,6 +69,12 @@ export function makeFrameLoader(id, { onSharp, onRest, onFault }) {
 async function loaded(url) {
   const image = new Image();
   image.src = url;
-  await image.decode();
+  try {
+    await image.decode();
+  } catch (error) {
+    // A browser tells of every fault that the image cannot be decoded; the server says which it is.
+    await send(url);
+    throw error;
+  }
   return image;
 }

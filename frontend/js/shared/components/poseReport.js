@@ -16,10 +16,11 @@ import { mountFacts } from "./facts.js";
 
 /**
  * @param {HTMLElement} root
- * @param {{onEnlarge: () => void, onCopy: () => void, onBundle: () => Promise<void>, onTurn?: (quarter: 1 | -1) => void}} events
+ * @param {{onEnlarge: () => void, onCopy: () => void, onBundle: () => Promise<void>, onTurn?: (quarter: 1 | -1) => void,
+ *   onAgain?: () => void}} events
  *   pages that can turn a picture give `onTurn`: 1 is clockwise
  */
-export function mountPoseReport(root, { onEnlarge, onCopy, onBundle, onTurn }) {
+export function mountPoseReport(root, { onEnlarge, onCopy, onBundle, onTurn, onAgain }) {
   const find = (/** @type {string} */ name) =>
     /** @type {HTMLElement} */ (root.querySelector(`[data-ref=${name}]`));
   const template = /** @type {HTMLTemplateElement} */ (root.querySelector("template"));
@@ -40,6 +41,7 @@ export function mountPoseReport(root, { onEnlarge, onCopy, onBundle, onTurn }) {
   mountCopy(find("copy-pose"), () => copied);
   find("turn-left").addEventListener("click", () => onTurn?.(-1));
   find("turn-right").addEventListener("click", () => onTurn?.(1));
+  find("again").addEventListener("click", () => onAgain?.());
 
   /** @param {string | null} channel @param {Failure} failure @param {string} [where] */
   function failureOf(channel, failure, where) {
@@ -115,6 +117,7 @@ export function mountPoseReport(root, { onEnlarge, onCopy, onBundle, onTurn }) {
       find("copy").hidden = find("bundle").hidden = !answer;
       find("refusal").textContent = status === "refused" ? frame.message : "";
       find("turn").hidden = !(onTurn && status === "refused" && frame.turned && frame.file);
+      find("again").hidden = !(onAgain && status === "refused" && frame.passing);
       find("elsewhere").hidden = !(status === "refused" && isVideo(frame.name));
       find("notes").replaceChildren(
         ...notes.map((text) =>

@@ -208,3 +208,21 @@ const short = (value) => String(Number(value.toPrecision(6)));
 
 /** @param {string} name @returns {string} without its group, in words */
 export const nameInWords = (name) => name.replace(/^.*\./, "").replaceAll("_", " ");
+
+/**
+ * What to ask before a preset takes another's name; empty where nothing would be lost.
+ * @param {{name: string, method: string, params: Record<string, any>}} preset
+ * @param {import("../../server/tuningApi.js").Preset[]} kept
+ * @returns {string}
+ */
+export function replaceQuestion({ name, method, params }, kept) {
+  const before = kept.find((each) => each.name === name);
+  if (!before || (before.method === method && textOf(before.params) === textOf(params))) return "";
+  const whose = before.method === method ? "with other values" : `for the method ${before.method}`;
+  return `There is a preset “${name}” already, ${whose}. Replace it, for everybody who uses this server?`;
+}
+
+/** @param {unknown} value @returns {string} the same whatever the order of the keys */
+const textOf = (value) =>
+  JSON.stringify(value, (_key, each) =>
+    each && typeof each === "object" ? Object.fromEntries(Object.entries(each).sort(([a], [b]) => a.localeCompare(b))) : each);

@@ -9,7 +9,7 @@ import { copyText } from "../components/copy.js";
 import { makeDraft } from "../address.js";
 import { messageOf } from "../../server/request.js";
 import { deletePreset, listPresets, savePreset } from "../../server/tuningApi.js";
-import { commandLine, flat, nested } from "./paramsLogic.js";
+import { commandLine, flat, nested, replaceQuestion } from "./paramsLogic.js";
 
 /**
  * @param {HTMLElement} root
@@ -62,19 +62,29 @@ export function mountTuneTools(root, { onValues, onStatus, onRunAgain }) {
   });
   find("preset-delete").addEventListener("click", () => {
     const name = find("preset").value;
-    if (name) void change(() => deletePreset(name), `Removed the preset ${name}.`);
+    if (!name || !window.confirm(`Remove the preset “${name}”, for everybody who uses this server?`)) return;
+    void change(() => deletePreset(name), `Removed the preset ${name}.`);
   });
   find("preset-form").addEventListener("submit", (/** @type {Event} */ event) => {
     event.preventDefault();
     const name = find("preset-name").value.trim();
     const { frame, values } = state;
     if (!name || !frame) return;
-    void change(async () => {
-      await savePreset({ name, method: frame.method, params: nested(values) });
+    void keep({ name, method: frame.method, params: nested(values) });
+  });
+
+  /** @param {{name: string, method: string, params: Record<string, any>}} preset */
+  async function keep(preset) {
+    await change(async () => undefined, "");
+    // Others may have kept it, in another tab or for another method.
+    const question = replaceQuestion(preset, presets);
+    if (question && !window.confirm(question)) return;
+    await change(async () => {
+      await savePreset(preset);
       find("preset-name").value = "";
       draft.forget();
-    }, `Kept as ${name}, for everybody who uses this server.`);
-  });
+    }, `Kept as ${preset.name}, for everybody who uses this server.`);
+  }
   let method = "";
   const draft = makeDraft("preset", () => [find("preset-name")]);
   find("preset-name").value = draft.read()?.[0] ?? "";
