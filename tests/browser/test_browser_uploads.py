@@ -80,6 +80,28 @@ def test_a_second_click_orders_no_second_flight(
     orders(page, "**/rerun", "Run", "#rerun [data-ref=refusal]")
 
 
+def test_each_tab_has_its_own_files_and_takes_over_those_of_closed_ones(
+    open_page: Callable[..., Page], footage: tuple[Path, Path]
+) -> None:
+    first = open_page("/flights")
+    second = first.context.new_page()
+    second.goto("/flights")
+    first.get_by_label("Choose files").set_input_files(footage[0])
+    expect(first.locator("#uploads")).to_contain_text("1 file sent", timeout=SLOW_MS)
+    second.reload()
+    second.get_by_label("Choose files").set_input_files(footage[1])
+    expect(second.locator("#uploads li")).to_contain_text([footage[1].name])
+    expect(second.locator("#uploads li")).to_have_count(1)
+    first.reload()
+    expect(first.locator("#uploads li")).to_contain_text([footage[0].name])
+    first.close()
+    third = second.context.new_page()
+    third.goto("/flights")
+    expect(third.locator("#uploads li")).to_contain_text([footage[0].name])
+    expect(second.locator("#uploads li")).to_have_count(1)
+    second.context.close()
+
+
 def test_an_upload_goes_on_after_a_reload(
     open_page: Callable[..., Page], footage: tuple[Path, Path], tmp_path: Path, studio_url: str
 ) -> None:

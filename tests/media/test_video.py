@@ -322,6 +322,8 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="PADSTUDIO_STORAGE") as caught:
         read_index(str(tmp_path / "gone.mp4"))
     assert caught.value.error_code == "source_unreachable"
+    # Pages tell it, whose readers have no business with the server's folders.
+    assert str(tmp_path) not in str(caught.value)
 
 
 def test_urls_are_read_through_fsspec(long_video: Path) -> None:

@@ -14,6 +14,16 @@ from padstudio.errors import StorageError
 _OBJECT_STORES = frozenset({"s3", "s3a", "gs", "gcs", "az", "abfs"})
 
 
+def unreachable(source: str) -> StorageError:
+    """The error for a stored file that is not there; pages tell it, so it does not name the folder."""
+    return StorageError(
+        f"the file {source.rstrip('/').rsplit('/', 1)[-1]} is gone, or cannot be read from here: "
+        "send it again, or, where workers run on other machines, set PADSTUDIO_STORAGE to a folder "
+        "or bucket that all of them reach",
+        code="source_unreachable",
+    )
+
+
 @contextlib.contextmanager
 def open_source(source: str, *, as_file: bool = False) -> Iterator[str | IO[bytes]]:
     """A stored file, ready to be read.
@@ -47,11 +57,7 @@ def open_source(source: str, *, as_file: bool = False) -> Iterator[str | IO[byte
             with _open_remote(source) as remote:
                 yield remote
     except (FileNotFoundError, PermissionError) as error:
-        raise StorageError(
-            f"a worker cannot read {source}: where workers run on other machines, set "
-            "PADSTUDIO_STORAGE to a folder or bucket that all of them reach",
-            code="source_unreachable",
-        ) from error
+        raise unreachable(source) from error
     except ImportError as error:
         raise StorageError(
             f"{urlsplit(source).scheme} URLs need a further package: pip install padstudio[s3]",

@@ -24,8 +24,8 @@ export function comparisonInWords({ frames, won, lost, both, neither, moved, onl
     const part = share === null ? "" : `, ${percent(share, 1)} of the distance`;
     words.push(`Poses in both lie ${short(median)} mm apart (median), at most ${short(worst)} mm${part}, in frame ${number(frame)}.`);
   }
-  const alone = [first && `${number(first)} in the other run alone`, second && `${number(second)} in this one alone`].filter(Boolean);
-  if (alone.length) words.push(`Frames that were read ${alone.join(", ")} are left out.`);
+  const alone = [first && `${framesInWords(first)} in the other run alone`, second && `${framesInWords(second)} in this one alone`].filter(Boolean);
+  if (alone.length) words.push(`Left out: ${alone.join(", ")}.`);
   return words;
 }
 

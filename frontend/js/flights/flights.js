@@ -234,7 +234,6 @@ async function load() {
   restoreFields();
   render();
   void refresh();
-  set({ items: queue.items() });
   void queue.restore();
   try {
     const [pads, cameras] = await Promise.all([api.listPads(), api.listCameras()]);

@@ -7,9 +7,9 @@
 import { ApiError, messageOf } from "../server/request.js";
 import { getUpload } from "../server/flightsApi.js";
 import { removeUpload, sendFile } from "../server/tusUpload.js";
+import { claimMemory } from "./uploadMemory.js";
 import * as uploads from "./uploadsLogic.js";
 
-const KEY = "padstudio.uploads";
 const SLOTS = 2;
 
 /**
@@ -18,12 +18,20 @@ const SLOTS = 2;
 export function makeUploadQueue({ onChange }) {
   /** @type {Map<string, AbortController>} */
   const running = new Map();
-  let items = uploads.fromStorage(read());
+  /** @type {Item[]} */
+  let items = [];
+  /** @type {import("./uploadMemory.js").Memory | null} */
+  let memory = null;
+
+  const ready = claimMemory().then((claimed) => {
+    memory = claimed;
+    set(uploads.fromLists(claimed.found));
+  });
 
   /** @param {Item[]} next */
   function set(next) {
     items = next;
-    write(uploads.toStorage(items));
+    memory?.write(uploads.toStorage(items));
     onChange(items);
   }
   const change = (/** @type {string} */ key, /** @type {Partial<Item>} */ values) =>
@@ -59,6 +67,7 @@ export function makeUploadQueue({ onChange }) {
 
   /** What was complete before a reload may be gone, and what was not may be complete. */
   async function restore() {
+    await ready;
     for (const { key, url } of items.filter((item) => !item.file)) {
       try {
         const upload = await getUpload(url?.split("/").pop() ?? "");
@@ -73,12 +82,14 @@ export function makeUploadQueue({ onChange }) {
   }
 
   return {
-    items: () => items,
     restore,
     /** @param {{file: File, folder: string}[]} chosen */
     add(chosen) {
-      set(uploads.withFiles(items, chosen));
-      work();
+      // One that was begun before goes on where it was.
+      void ready.then(() => {
+        set(uploads.withFiles(items, chosen));
+        work();
+      });
     },
     /** Stop and forget files, here and on the server. @param {string[]} keys */
     remove(keys) {
@@ -101,22 +112,4 @@ export function makeUploadQueue({ onChange }) {
 function reasonOf(error) {
   const unreadable = error instanceof DOMException;
   return unreadable ? "The file cannot be read: it was moved or changed." : messageOf(error);
-}
-
-/** @returns {string | null} */
-function read() {
-  try {
-    return localStorage.getItem(KEY);
-  } catch {
-    return null;
-  }
-}
-
-/** @param {string} text */
-function write(text) {
-  try {
-    localStorage.setItem(KEY, text);
-  } catch {
-    // Without storage an upload does not outlive a reload, and that is all.
-  }
 }

@@ -206,3 +206,13 @@ export function fromStorage(text) {
     .filter((item) => typeof item?.key === "string" && typeof item.url === "string")
     .map((item) => ({ ...item, file: null, message: "", status: item.id ? "done" : "waiting" }));
 }
+
+/**
+ * Items of several lists, each once.
+ * @param {string[]} texts
+ * @returns {Item[]}
+ */
+export function fromLists(texts) {
+  const items = texts.flatMap(fromStorage).reverse();
+  return [...new Map(items.map((item) => [item.key, item])).values()].sort(byName);
+}

@@ -16,7 +16,7 @@ export const tests = {
       "Poses in both lie 0.021 mm apart (median), at most 14.1 mm, 1 % of the distance, in frame 55.",
     ]);
     equal(comparisonInWords(found({ frames: 0 })), ["The runs have no frame in common."]);
-    equal(comparisonInWords(found({ moved: null, only_first: 20 }))[1], "Frames that were read 20 in the other run alone are left out.");
+    equal(comparisonInWords(found({ moved: null, only_first: 20 }))[1], "Left out: 20 frames in the other run alone.");
   },
   "what became of a frame": () => {
     equal(["won", "lost", "neither"].map((kind) => changeInWords(change({ kind })).word), ["won", "lost", "no pose in either"]);

@@ -1,6 +1,6 @@
 import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/server/tusLogic.js";
 import {
-  fewPictures, fromStorage, hasTopics, mayBringCamera, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
+  fewPictures, fromLists, fromStorage, hasTopics, mayBringCamera, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
 } from "/static/js/flights/uploadsLogic.js";
 import { contains, equal } from "./check.js";
 
@@ -71,6 +71,11 @@ export const tests = {
     const again = withFiles(restored, chosen(["a.mp4"]));
     equal(again.map(({ url, status }) => [url, status]), [["/u/1", "waiting"]]);
     equal(nextToSend(again, 2).length, 1);
+  },
+  "lists of several tabs are one, each file once, as the first has it": () => {
+    const [own, other] = [withFiles([], chosen(["b.mp4"])), withFiles([], chosen(["a.mp4", "b.mp4"]))];
+    const texts = [own, other].map((items, at) => toStorage(items.map((item) => ({ ...item, url: `/u/${at}` }))));
+    equal(fromLists([...texts, "{"]).map(({ name, url }) => [name, url]), [["a.mp4", "/u/1"], ["b.mp4", "/u/0"]]);
   },
   "another file of the same name is another file": () => {
     equal(fingerprint(file("a", 1000), "") === fingerprint(file("a", 1001), ""), false);

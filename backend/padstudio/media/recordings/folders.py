@@ -25,7 +25,7 @@ from padstudio.media.recordings.mcap_file import McapFile
 from padstudio.media.recordings.sqlite_file import SqliteFile
 from padstudio.media.recordings.storage import Channel, Message, RecordingError, Storage, Tell
 from padstudio.media.recordings.unpacking import ZSTD_MAGIC, UnpackError, unpack_file
-from padstudio.media.remote import at_hand
+from padstudio.media.remote import at_hand, unreachable
 from padstudio.media.sources import by_number
 from padstudio.media.zip_stills import ZipLimits, check_entry, entries_of, is_hidden
 
@@ -60,11 +60,7 @@ def open_recording(source: str, limits: ZipLimits | None = None) -> Storage:
     try:
         about = path.stat()
     except OSError as error:
-        raise StorageError(
-            f"a worker cannot read {source}: where workers run on other machines, set "
-            "PADSTUDIO_STORAGE to a folder or bucket that all of them reach",
-            code="source_unreachable",
-        ) from error
+        raise unreachable(source) from error
     return _opened(path, about.st_size, about.st_mtime_ns, limits or ZipLimits())
 
 
