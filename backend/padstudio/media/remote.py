@@ -15,7 +15,7 @@ _OBJECT_STORES = frozenset({"s3", "s3a", "gs", "gcs", "az", "abfs"})
 
 
 def unreachable(source: str) -> StorageError:
-    """The error for a stored file that is not there; pages tell it, so it does not name the folder."""
+    """The error for a stored file that is not there; it goes to pages, so it names no folder."""
     return StorageError(
         f"the file {source.rstrip('/').rsplit('/', 1)[-1]} is gone, or cannot be read from here: "
         "send it again, or, where workers run on other machines, set PADSTUDIO_STORAGE to a folder "
