@@ -65,7 +65,7 @@ def test_records_are_those_of_frames_one_after_another(task: FramesTask) -> None
     for record, detection in zip(records, found, strict=True):
         assert detection.pose is not None
         assert record["position_mm"] == detection.pose.position_mm.tolist()
-        assert record["rotation"] == detection.pose.rotation.tolist()
+        assert record["quaternion_xyzw"] == detection.pose.quaternion_xyzw.tolist()
     assert not reading_threads()
 
 
