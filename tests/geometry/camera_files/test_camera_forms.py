@@ -79,10 +79,10 @@ def test_names_of_lenses(change, truth):
         (ros(FIVE) | {"fx": 3}, "has fx alone"),
         (ros(FIVE) | {"skew": 0.5}, "has skew"),
         (ros(FIVE) | {"fisheye": "maybe"}, "fisheye is neither true nor false"),
-        (ros(FIVE) | {"camera_matrix": [0.7, 0, 0.5, 0, 1.2, 0.5, 0, 0, 1]}, "in the corner"),
+        (ros(FIVE) | {"camera_matrix": [0.7, 0, 0.5, 0, 1.2, 0.5, 0, 0, 1]}, "in a corner"),
         # Millimetres, and from the middle of the picture.
-        (ros(FIVE) | {"camera_matrix": [4.5, 0, 3.2, 0, 4.5, 2.4, 0, 0, 1]}, "in the corner"),
-        (ros(FIVE) | {"camera_matrix": [1402, 0, -4.8, 0, 1400, 1.7, 0, 0, 1]}, "in the corner"),
+        (ros(FIVE) | {"camera_matrix": [4.5, 0, 3.2, 0, 4.5, 2.4, 0, 0, 1]}, "in a corner"),
+        (ros(FIVE) | {"camera_matrix": [1402, 0, 4.8, 0, 1400, 1.7, 0, 0, 1]}, "in a corner"),
         (ros(FIVE) | {"distortion_coefficients": ""}, "no finite number"),
         (ros(FIVE) | {"distortion_coefficients": "-0,27 0,09 0,0007 -0,0004"}, "decimal commas"),
         (script(FIVE) | {"dist": [[0.1, 0.2]]}, "takes 4, 5 or 8"),

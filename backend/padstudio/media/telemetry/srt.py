@@ -7,8 +7,8 @@ known, and each value is looked for by all of them:
   also with ``longtitude`` and ``altitude`` (Mavic Air, Mavic 2);
 - ``GPS (113.9, 22.1, 15), D 24.5m, H 6.00m, H.S 0.00m/s`` (Mini, Mini 2, Phantom 4 RTK);
 - ``GPS(113.9,22.1,16) BAROMETER:1.9`` (Mavic Pro, Phantom 4);
-- ``GPS(22.1,113.9,469.8) BAROMETER(1.9)``: here latitude comes first, and the third is a
-  height over the sea;
+- ``GPS(22.1,113.9,469.8) BAROMETER(1.9)`` (Avata 2) and ``GPS(22.1,113.9,0.0M) BAROMETER:1.9M``
+  (Matrice 300): here latitude comes first, and the third is a height over the sea;
 - ``GPS(W: 96.1, N: 43.0, 715.9m) Hb: 1.9`` (Phantom 3, Inspire), ``ReH:1.9`` (Autel).
 
 Which of two bare numbers is the latitude follows from the form, or from their range where one is
@@ -53,7 +53,9 @@ _LATITUDE = re.compile(rf"\blatitude\s*:\s*{_VALUE}")
 _LONGITUDE = re.compile(rf"\blongt?itude\s*:\s*{_VALUE}")
 _GPS = re.compile(rf"\bGPS\s*\(\s*{_NUMBER}\s*,\s*{_NUMBER}")
 _GPS_SIGNED = re.compile(rf"\bGPS\s*\(\s*([EW])\s*:\s*{_NUMBER}\s*,\s*([NS])\s*:\s*{_NUMBER}")
-_LATITUDE_FIRST = re.compile(r"\bBAROMETER\s*\(")
+_LATITUDE_FIRST = re.compile(
+    r"\bBAROMETER\s*\(|\bGPS\s*\([^)]*(?:[mM]|ft|FT|feet)\s*\)\s*BAROMETER\s*:"
+)
 _LONGITUDE_FIRST = re.compile(r"\bBAROMETER\s*:|\bD\s+[-+]?\d+(?:\.\d+)?\s*(?:m|ft|feet)\b")
 
 Order = Literal["latitude_first", "longitude_first"]

@@ -75,18 +75,19 @@ def camera_fields(
         lies outside the picture.
     """
     width, height = whole_size(size, "image size")
-    if abs(matrix[0, 2]) < _CORNER * width and abs(matrix[1, 2]) < _CORNER * height:
-        raise CameraFormatError(
-            f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) is in the corner of "
-            f"{width} x {height}: it is in millimetres, over the picture's size, or counted from "
-            "its middle. Give the camera matrix in pixels from the top-left pixel"
-        )
     if matrix[0, 1] or matrix[1, 0]:
         raise CameraFormatError("the camera matrix has skew; calibrate without it")
     if not (-0.5 <= matrix[0, 2] < width and -0.5 <= matrix[1, 2] < height):
         raise CameraFormatError(
             f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) lies outside the picture of "
             f"{width} x {height}; matrix and size are not of one calibration"
+        )
+    off_x, off_y = abs(matrix[0, 2] / width - 0.5), abs(matrix[1, 2] / height - 0.5)
+    if min(off_x, off_y) > 0.5 - _CORNER:
+        raise CameraFormatError(
+            f"the principal point ({matrix[0, 2]:g}, {matrix[1, 2]:g}) is in a corner of "
+            f"{width} x {height}: it is in millimetres, over the picture's size, or counted from "
+            "elsewhere. Give the camera's lengths in pixels, as its program writes them"
         )
     return CameraFields(
         width=width,
