@@ -27,7 +27,7 @@ class Exports:
     options : mapping of str to str
         Of the query, for all of them.
     track : bytes or None
-        The vehicle's own poses, a CSV file.
+        Where the vehicle was: its log, or a CSV file.
     """
 
     files: Mapping[str, str] = field(default_factory=dict)

@@ -65,7 +65,8 @@ ExportOption = Annotated[
     ),
 ]
 Vehicle = Annotated[
-    Path | None, typer.Option(help="Poses of the vehicle for px4, CSV; see docs/exports.md.")
+    Path | None,
+    typer.Option(help="Where the vehicle was, for px4: its log, or a CSV; see docs/exports.md."),
 ]
 MethodName = Annotated[
     Literal["dense", "paper"],
