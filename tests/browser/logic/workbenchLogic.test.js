@@ -77,6 +77,8 @@ export const tests = {
     equal(verdictOf(field((row) => row < 3)).includes("lie together"), true);
     equal(verdictOf(field((row, column) => (row + 2 * column) % 4 === 0)).includes("spread"), true);
     equal(verdictOf(field((row, column) => (row + column) % 2 === 0)).includes("another pad"), true);
+    const small = verdictOf({ ...field((row, column) => (row + column) % 2 === 0), cell_px: 1.2 });
+    equal([small.includes("another pad"), small.includes("1.2 px are too small")], [false, true]);
     const carried = verdictOf(field((row, column) => (row + column) % 2 === 0), true);
     equal([carried.includes("another pad"), carried.includes("the camera has moved")], [false, true]);
   },

@@ -63,6 +63,12 @@ def test_corners_on_a_line_give_none():
     pad = random_pad(5, cells=(25, 10), cell_mm=(40.0, 100.0))
     line = np.array([[100.0, 100.0], [200.0, 100.0], [300.0, 100.0], [400.0, 100.0]])
     assert pose_of_corners(view(pad), CAMERA, pad, line) is None
+    # Nobody clicks a line to the last digit, nor a pad of three pixels.
+    nearly = np.array([[100, 100.4], [200, 199.7], [300, 300.1], [400, 400]])
+    tiny = np.array([[10.0, 10], [13, 10], [13, 13], [10, 13]])
+    twice = np.array([[100.0, 100], [100, 100], [300, 300], [100, 300]])
+    for corners in (nearly, tiny, twice):
+        assert pose_of_corners(view(pad), CAMERA, pad, corners) is None
 
 
 def test_a_mirrored_pad_is_told_by_its_cells():

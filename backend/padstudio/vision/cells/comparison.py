@@ -20,6 +20,10 @@ from padstudio.vision.cells.evidence import Evidence, judge
 from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.pyramid import Pyramid
 
+# Corners are clicked to a pixel or so: a corner that is nearer to the line through its neighbours
+# leaves the pose to chance.
+_LEAST_CORNER_PX = 4.0
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -130,8 +134,10 @@ def pose_of_corners(pyramid: Pyramid, camera: Camera, pad: Pad, corners_xy: Arra
     Returns
     -------
     Pose or None
-        None where they lie on a line, or no camera sees them so.
+        None where they lie on a line, as nearly as anybody clicks, or no camera sees them so.
     """
+    if _flatness_px(np.asarray(corners_xy, float)) < _LEAST_CORNER_PX:
+        return None
     # A pad is seen from above, where its corners follow each other clockwise.
     x, y = np.asarray(corners_xy, float).T
     if float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) < 0:
@@ -147,6 +153,15 @@ def pose_of_corners(pyramid: Pyramid, camera: Camera, pad: Pad, corners_xy: Arra
             if best is None or score > best[0]:
                 best = score, pose
     return None if best is None else best[1]
+
+
+def _flatness_px(corners_xy: Array) -> float:
+    """The least distance of a corner from the line through its two neighbours, pixels."""
+    before, after = np.roll(corners_xy, 1, axis=0), np.roll(corners_xy, -1, axis=0)
+    (along_x, along_y), (to_x, to_y) = (after - before).T, (corners_xy - before).T
+    length = np.hypot(along_x, along_y)
+    off = np.abs(along_x * to_y - along_y * to_x)
+    return float(np.min(np.divide(off, length, out=np.zeros(4), where=length > 0)))
 
 
 def _score(found: Sequence[Comparison]) -> float:

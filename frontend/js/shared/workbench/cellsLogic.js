@@ -55,6 +55,8 @@ export function wrongCells(layer) {
 
 const ALIKE = 0.9;
 const CLEARLY = 0.08;
+/** Cells below it are not to be told from their neighbours. */
+const SMALL_PX = 2;
 
 /**
  * What the cells say, in a sentence.
@@ -92,6 +94,8 @@ function patch(layer, isCarried) {
     }
   });
   const chance = layer.wrong / Math.max(layer.read, 1);
+  const isSmall = layer.cell_px < SMALL_PX;
+  if (chance > 0.4 && isSmall) return `no more than chance: its cells of ${number(layer.cell_px, 1)} px are too small to be read`;
   // A pose that is off by a cell makes chance of all cells.
   if (chance > 0.4 && isCarried) return "no more than chance: the camera has moved by a cell of this layer or more since that frame";
   if (chance > 0.4) return "no more than chance: another pad, or another place on it";
