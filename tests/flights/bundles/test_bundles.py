@@ -210,6 +210,19 @@ def test_odd_bundles_are_refused(packed, change, code):
     assert raised.value.error_code == code
 
 
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"pad.json": None}, "lacks pad.json"),
+        ({"camera.yaml": None}, "lacks camera.yaml"),
+        ({"stills/0001.jpg": b"x"}, "a zip of stills as a flight"),
+    ],
+)
+def test_what_is_amiss_with_a_bundle_is_said(packed, change, says):
+    with pytest.raises(StudioError, match=says):
+        unpack(with_members(packed, **change))
+
+
 def test_a_bomb_is_not_unpacked(packed):
     with pytest.raises(LimitError) as raised:
         unpack(with_members(packed, zipfile.ZIP_DEFLATED, **{"trace.json": b" " * 30_000_000}))

@@ -86,7 +86,7 @@ def _check(entries: list[zipfile.ZipInfo]) -> None:
     if strange := sorted(set(names) - _TEXTS - _PICTURES):
         raise BundleError(
             f"the zip holds {strange[0][:80]!r}, which no bundle does; choose a bundle that the "
-            "studio made",
+            "studio made, or read a zip of stills as a flight",
             code="unknown_member",
         )
     if len(set(names)) < len(names):

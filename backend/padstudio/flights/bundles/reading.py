@@ -59,6 +59,9 @@ def unpack(data: bytes, max_pixels: int = images.MAX_PIXELS) -> Bundle:
             f"{contents.FORMAT_VERSION}; open it with a newer one",
             code="bundle_version",
         )
+    for name in (contents.PAD, contents.CAMERA):
+        if name not in members:
+            raise BundleError(f"the bundle lacks {name}; make it again")
     try:
         return _bundle(members, manifest, max_pixels)
     except StudioError:
