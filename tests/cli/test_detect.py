@@ -182,6 +182,7 @@ def test_a_preset_is_told_to_be_nominal(frames):
         (("gone.jpg",), "no_such_file"),
         (("gone/*.jpg",), "no_such_file"),
         (("x.jpg", "--method", "magic"), "usage"),
+        ((SAMPLES / "height_450mm.jpg", "--topic", "/image"), "usage"),
         (("x.jpg", "--jobs", "-1"), "usage"),
         ((), "usage"),
     ],
@@ -304,6 +305,7 @@ def test_a_recording_without_a_camera_or_with_several_topics(tmp_path):
     assert_one_line_error(run("detect", *pad, path), "several_topics")
     assert_one_line_error(run("detect", *pad, "--topic", "/a/image", path), "camera_required")
     assert_one_line_error(run("detect", *pad, SAMPLES / "height_1300mm.jpg"), "usage")
+    assert_one_line_error(run("detect", *pad, "--no-distortion", path), "usage")
     result = run("detect", *GIVEN, path)
     (line,) = (json.loads(line) for line in result.stdout.splitlines())
     assert (line["stage"], line["reason"]) == ("read", "several_topics")

@@ -20,7 +20,14 @@ from padstudio.cli.outcomes import (
     show_summary,
     write_record,
 )
-from padstudio.cli.support import NoDistortion, check_output, note, open_camera, progress_bar
+from padstudio.cli.support import (
+    NoDistortion,
+    check_output,
+    check_said,
+    note,
+    open_camera,
+    progress_bar,
+)
 from padstudio.errors import StudioError
 from padstudio.flights import batch
 from padstudio.flights.results.fusing import Fusion
@@ -144,6 +151,7 @@ def detect(
     params_from(settings)
     fusion = _fusion(fuse, smooth)
     paths = find_frames(frames)
+    check_said(paths, topic=topic, camera=camera, no_distortion=no_distortion)
     if camera is None:
         the_camera = _recorded_camera(paths, topic)
     else:

@@ -108,6 +108,24 @@ def open_camera(name: str, *, no_distortion: bool) -> Camera:
     return camera
 
 
+def check_said(
+    paths: Iterable[Path], *, topic: str | None, camera: str | None, no_distortion: bool
+) -> None:
+    """Refuse options of recordings and camera files where there are none.
+
+    Raises
+    ------
+    typer.BadParameter
+    """
+    from padstudio.media.sources import kind_of
+
+    # A zip may hold a recording.
+    if topic is not None and all(kind_of(path) in ("video", "still") for path in paths):
+        raise typer.BadParameter("--topic is of recordings, and none of these files is one")
+    if no_distortion and camera is None:
+        raise typer.BadParameter("--no-distortion is of the file of --camera; give that too")
+
+
 def check_output(path: Path, *, force: bool) -> None:
     """Refuse to write over a file, or into a folder that is not there.
 

@@ -119,6 +119,21 @@ def test_a_lens_model_that_is_not_known_is_refused(tmp_path: Path) -> None:
         look(str(path))
 
 
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"d": np.zeros(0)}, "holds no distortion coefficients; give a camera file$"),
+        ({"k": np.zeros(9)}, "all 0: the camera was never calibrated; give a camera file$"),
+    ],
+)
+def test_a_calibration_that_was_not_made_is_refused(
+    fields: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    path = _write_info(tmp_path / "a", TOPIC, INFO, **fields)
+    with pytest.raises(CameraFormatError, match=message):
+        look(str(path))
+
+
 def test_a_calibration_that_changes_is_told(tmp_path: Path) -> None:
     path = _write_info(tmp_path / "a", TOPIC, INFO)
     other_camera = Camera(CAMERA.width, CAMERA.height, MATRIX * [[2], [2], [1]])

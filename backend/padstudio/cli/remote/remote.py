@@ -18,7 +18,7 @@ from padstudio.cli.remote.lines import lines_of
 from padstudio.cli.remote.ordering import camera_on, order, pad_on
 from padstudio.cli.remote.sending import LocalFile, look_at, send
 from padstudio.cli.remote.server import TOKEN, Server
-from padstudio.cli.support import NoDistortion, check_output, note, progress_bar
+from padstudio.cli.support import NoDistortion, check_output, check_said, note, progress_bar
 from padstudio.errors import SpecError
 from padstudio.flights.results.fusing import Fusion
 from padstudio.flights.tasks.detectors import params_from, params_of_words
@@ -159,6 +159,7 @@ def remote(
     _check_outputs([*outputs, *exports.files.values()], force=force)
     paths = find_frames(frames)
     _check_kinds(paths)
+    check_said(paths, topic=topic, camera=camera, no_distortion=no_distortion)
     studio = Server(server, os.environ.get(TOKEN), patience_s=patience_s, tell=note)
     try:
         version = studio.greet()

@@ -11,6 +11,7 @@ import yaml
 
 from padstudio.errors import CameraFormatError, SpecError
 from padstudio.geometry.camera import Camera
+from padstudio.geometry.camera_files.parts.lenses import NOT_SAID
 from padstudio.media.recordings.folders import open_recording
 from padstudio.media.recordings.messages import (
     MessageError,
@@ -178,9 +179,15 @@ def recorded_camera(storage: Storage, topic: str) -> str | None:
         try:
             return Camera.loads(text, f"{name}.yaml").to_ros_yaml()
         except CameraFormatError as error:
+            # What may be said beside a camera file cannot be said of this one.
+            why = (
+                f"{name}.yaml: it holds no distortion coefficients"
+                if error.error_code == NOT_SAID
+                else error.message
+            )
             raise CameraFormatError(
-                f"the calibration that the recording has on {name} cannot be used: "
-                f"{error.message}; give a camera file",
+                f"the calibration that the recording has on {name} cannot be used: {why}; give a "
+                "camera file",
                 detail=error.detail,
             ) from error
     return None

@@ -71,10 +71,12 @@ def camera_fields(
     Raises
     ------
     CameraFormatError
-        If the matrix has skew, is not in pixels from the picture's corner, or its principal point
-        lies outside the picture.
+        If the matrix is zero, has skew or is not in pixels from the picture's corner, or its
+        principal point lies outside the picture.
     """
     width, height = whole_size(size, "image size")
+    if not matrix.any():
+        raise CameraFormatError("the camera matrix is all 0: the camera was never calibrated")
     if matrix[0, 1] or matrix[1, 0]:
         raise CameraFormatError("the camera matrix has skew; calibrate without it")
     if not (-0.5 <= matrix[0, 2] < width and -0.5 <= matrix[1, 2] < height):
