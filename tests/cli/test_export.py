@@ -54,6 +54,31 @@ def test_a_trajectory_goes_to_stdout(poses):
     assert table[0, 0] == pytest.approx(100 + 1 / 15, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    "option",
+    [
+        ("--start-unix-s", "inf"),
+        ("--start-unix-s", "nan"),
+        ("--turned-deg", "inf"),
+        ("--down-m", "nan"),
+        ("--forward-m", "101"),
+    ],
+)
+def test_numbers_that_are_none_are_refused(poses, option):
+    assert_one_line_error(export(poses, "--form", "ardupilot", *option), "usage")
+
+
+def test_a_file_without_frames_and_two_in_one_are_refused(poses):
+    twice = Path("twice.jsonl")
+    twice.write_text(2 * poses.read_text())
+    for form in ("tum", "mcap", "ros2", "ardupilot"):
+        assert_one_line_error(export(twice, "--form", form, "-o", "x"), "several_clocks")
+    twice.write_text("")
+    for form in ("csv", "jsonl", "tum"):
+        assert_one_line_error(export(twice, "--form", form, "-o", "x"), "empty_export")
+    assert not Path("x").exists()
+
+
 def test_what_a_form_leaves_out_is_said(poses):
     lines = [json.loads(line) for line in poses.read_text().splitlines()]
     lines[1] |= {"quality": "bearing"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections import Counter
@@ -30,6 +31,13 @@ _EXAMPLES = (
 
 _LEFT_OUT = {"bearing": "quality bearing", "unknown": "unknown quality"}
 
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise typer.BadParameter("give a finite number")
+    return value
+
+
 Poses = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
 FormName = Annotated[
     Literal["csv", "jsonl", "tum", "colmap", "mcap", "ros2", "ardupilot", "px4"],
@@ -53,17 +61,32 @@ FrameSize = Annotated[
     str | None,
     typer.Option(help="Of poses files that do not say it: width x height, as 1920x1080."),
 ]
-Start = Annotated[float, typer.Option(min=0, help="Unix time of the flight's time 0, s.")]
+# Bounds as in REST. Limits of options alone would let NaN pass.
+Start = Annotated[
+    float,
+    typer.Option(min=0, max=2**33, callback=_finite, help="Unix time of the flight's time 0, s."),
+]
 Vehicle = Annotated[
     Path | None,
     typer.Option(help="Where the vehicle was, for px4: its log, or a CSV; see docs/exports.md."),
 ]
 Turned = Annotated[
-    float, typer.Option(help="Of MAVLink: camera turned clockwise; at 0 its up is forward.")
+    float,
+    typer.Option(
+        min=-360,
+        max=360,
+        callback=_finite,
+        help="Of MAVLink: camera turned clockwise; at 0 its up is forward.",
+    ),
 ]
-Forward = Annotated[float, typer.Option(help="Camera ahead of the vehicle's centre.")]
-Right = Annotated[float, typer.Option(help="Camera to the right of it.")]
-Down = Annotated[float, typer.Option(help="Camera below it.")]
+Forward = Annotated[
+    float,
+    typer.Option(min=-100, max=100, callback=_finite, help="Camera ahead of the vehicle's centre."),
+]
+Right = Annotated[
+    float, typer.Option(min=-100, max=100, callback=_finite, help="Camera to the right of it.")
+]
+Down = Annotated[float, typer.Option(min=-100, max=100, callback=_finite, help="Camera below it.")]
 Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
 
 

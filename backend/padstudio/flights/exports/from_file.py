@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from padstudio.errors import EmptyExportError
 from padstudio.flights.exports.forms import TIMED, export
 from padstudio.flights.exports.frames.files import SourceFiles
 from padstudio.flights.exports.frames.pads import check_pad, of_pad
@@ -55,10 +56,14 @@ def export_file(poses: PosesFile, choices: ExportChoices) -> FileExport:
     ------
     PosesFormatError
         If a line of the file is no record: it is read once in advance.
+    EmptyExportError
+        If it has none.
     SpecError
         If its poses are of several pads, or its frames have no one clock, as the form asks for.
     """
     survey = Survey.of(read_poses(poses.path), choices.pad_id)
+    if not survey.sources:
+        raise EmptyExportError(f"{poses.path.name} holds no frames: nothing was written to it")
     check_pad(choices.form, survey.pads, choices.pad_id)
     if choices.form in TIMED:
         is_matched = choices.vehicle is not None or choices.log is not None

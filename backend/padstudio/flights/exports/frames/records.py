@@ -106,6 +106,8 @@ class Survey:
         Of sources that are recordings: that of their frames.
     begin_again : list of str
         Sources whose times begin again behind those of another, as in files of older versions.
+    twice : list of str
+        Sources of which earlier frames stand behind later ones, as where files were joined.
     stills, videos : int
         Records without and with a time.
     """
@@ -115,6 +117,7 @@ class Survey:
     sources: dict[str, tuple[int, int] | None] = field(default_factory=dict)
     topics: dict[str, str] = field(default_factory=dict)
     begin_again: list[str] = field(default_factory=list)
+    twice: list[str] = field(default_factory=list)
     stills: int = 0
     videos: int = 0
 
@@ -127,6 +130,8 @@ class Survey:
             is_behind = time_s is not None and last_s is not None and time_s <= last_s
             if source not in found.sources and is_behind:
                 found.begin_again.append(source)
+            elif is_behind and time_s != last_s:
+                found.twice.append(source)
             if found.sources.get(source) is None:
                 found.sources[source] = (size[0], size[1]) if size else None
             if "topic" in record:
@@ -158,6 +163,12 @@ class Survey:
             raise SpecError(
                 f"stills have no times, videos have: {form} holds one clock, so detect stills and "
                 "videos into files of their own, or export as csv or jsonl",
+                code="several_clocks",
+            )
+        if self.twice:
+            raise SpecError(
+                f"frames of {self.twice[0]} stand behind later ones of it, as in several poses "
+                f"files that were joined: {form} holds one flight; export each by itself",
                 code="several_clocks",
             )
         if is_matched and self.begin_again:
