@@ -25,7 +25,7 @@ import { messageOf } from "../server/request.js";
 import { mountChoice } from "../shared/components/choice.js";
 import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFooter } from "../shared/components/footer.js";
-import { mountStatus } from "../shared/components/status.js";
+import { loadFault, mountStatus } from "../shared/components/status.js";
 import { kindIn } from "../shared/intake.js";
 import { padGroups, padNote } from "../shared/readingLogic.js";
 import { mountCalibrationResult } from "./components/calibrationResult.js";
@@ -173,10 +173,12 @@ async function takeFiles(chosen) {
 }
 mountFooter();
 render();
-void attempt(async () => {
-  const [pads, known] = await Promise.all([api.listPads(), api.listCameras()]);
-  const isKnown = pads.items.some(({ id }) => id === state.pad);
-  set({ pads: pads.items, cameras: known, pad: isKnown ? state.pad : (pads.items[0]?.id ?? "") });
-});
+void Promise.all([api.listPads(), api.listCameras()]).then(
+  ([pads, known]) => {
+    const isKnown = pads.items.some(({ id }) => id === state.pad);
+    set({ pads: pads.items, cameras: known, pad: isKnown ? state.pad : (pads.items[0]?.id ?? "") });
+  },
+  (error) => set({ status: loadFault(error) }),
+);
 const made = address.get("calibration");
 if (made) void run.open(made);

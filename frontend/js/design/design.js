@@ -52,6 +52,7 @@ import { makeStoredPads } from "./storedPads.js";
 import { codeOf, parseSpec, previewDelay, specFromQuery, specToQuery } from "./specLogic.js";
 import { viewportFromText, viewportToText } from "../shared/viewportLogic.js";
 import { mountFooter } from "../shared/components/footer.js";
+import { loadFault } from "../shared/components/status.js";
 
 const address = readAddress();
 
@@ -237,7 +238,7 @@ async function listCameras() {
   try {
     set({ cameras: await api.listCameras() });
   } catch (error) {
-    set({ status: { kind: "bad", text: messageOf(error) } });
+    set({ status: loadFault(error) });
   }
 }
 

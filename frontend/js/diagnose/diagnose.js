@@ -27,7 +27,7 @@ import { mountFrameList } from "./frameList.js";
 import { mountMorePads } from "../shared/components/morePads.js";
 import { mountPoseReport } from "../shared/components/poseReport.js";
 import { mountShutterField } from "../shared/components/shutterField.js";
-import { mountStatus } from "../shared/components/status.js";
+import { loadFault, mountStatus } from "../shared/components/status.js";
 import {
   cameraGroups, cameraNote, missing, otherPads, othersNote, padGroups, padIds, padNote, resultNotes,
 } from "../shared/readingLogic.js";
@@ -281,7 +281,7 @@ async function start() {
     const pad = isKnown ? state.pad : (pads.items[0]?.id ?? "");
     set({ pads: pads.items, ...cameras, pad });
   } catch (error) {
-    set({ status: { kind: "bad", text: messageOf(error) } });
+    set({ status: loadFault(error) });
   }
   await restore();
   isRestored = true;

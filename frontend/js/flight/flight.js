@@ -54,6 +54,7 @@ import { saveBundle } from "../shared/workbench/bundling.js";
 import { watchFlight } from "../server/flightWatch.js";
 import { copyText } from "../shared/components/copy.js";
 import { mountFooter } from "../shared/components/footer.js";
+import { loadFault } from "../shared/components/status.js";
 
 const address = readAddress();
 const id = location.pathname.split("/")[2];
@@ -345,7 +346,7 @@ async function start() {
     await data.runs();
     await data.other();
   } catch (error) {
-    set({ status: { kind: "bad", text: messageOf(error) } });
+    set({ status: loadFault(error) });
   }
 }
 

@@ -5,8 +5,9 @@
  */
 
 import { getPad } from "../server/api.js";
-import { isAbort, messageOf } from "../server/request.js";
+import { isAbort } from "../server/request.js";
 import { getFigures, getFlight, getSummary, getTimeline, getVehicle, isOpen, listFlights } from "../server/flightsApi.js";
+import { loadFault } from "../shared/components/status.js";
 import { wholeOf } from "./timelineLogic.js";
 
 const BUSY_MS = 1000;
@@ -27,7 +28,7 @@ export function makeFlightData(id, { state, set, columns }) {
 
   /** @param {unknown} error */
   function complain(error) {
-    if (!isAbort(error)) set({ status: { kind: "bad", text: messageOf(error) } });
+    if (!isAbort(error)) set({ status: loadFault(error) });
   }
 
   /** The part that is shown, of this run or another, in the same columns. */

@@ -23,7 +23,7 @@ import { mountDropZone } from "../shared/components/dropZone.js";
 import { mountFlightList } from "./flightList.js";
 import { mountMorePads } from "../shared/components/morePads.js";
 import { mountShutterField } from "../shared/components/shutterField.js";
-import { mountStatus } from "../shared/components/status.js";
+import { loadFault, mountStatus } from "../shared/components/status.js";
 import { mountUploadList } from "./uploadList.js";
 import {
   cameraGroups, cameraNote, otherPads, othersNote, padGroups, padIds, padNote,
@@ -224,7 +224,7 @@ async function refresh() {
     const { items, total } = await flightsApi.listFlights(Math.min(state.limit, 200));
     set({ flights: items, total });
   } catch (error) {
-    if (state.total === null) set({ status: { kind: "bad", text: messageOf(error) } });
+    if (state.total === null) set({ status: loadFault(error) });
   }
   const wait = state.flights.some(flightsApi.isOpen) ? BUSY_MS : IDLE_MS;
   refreshTimer = window.setTimeout(() => (document.hidden ? null : void refresh()), wait);
@@ -242,7 +242,7 @@ async function load() {
     const only = cameras.stored.length === 1 ? cameras.stored[0].id : "";
     set({ pads: pads.items, ...cameras, pad, camera: state.camera || only });
   } catch (error) {
-    set({ status: { kind: "bad", text: messageOf(error) } });
+    set({ status: loadFault(error) });
   }
 }
 

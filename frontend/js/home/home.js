@@ -14,7 +14,7 @@
  */
 
 import { readAddress, writeAddress } from "../shared/address.js";
-import { mountStatus } from "../shared/components/status.js";
+import { loadFault, mountStatus } from "../shared/components/status.js";
 import * as library from "../server/libraryApi.js";
 import { previewUrl } from "../server/flightsApi.js";
 import { messageOf } from "../server/request.js";
@@ -92,11 +92,14 @@ function set(change) {
 async function load(kind) {
   try {
     const cards = (await library.LISTS[kind]()).map((item) => cardOf[kind](item));
-    set({ cards: { ...state.cards, [kind]: cards } });
+    // What has come at last is no longer missing.
+    set({ cards: { ...state.cards, [kind]: cards }, ...(state.status?.again ? { status: null } : {}) });
   } catch (error) {
-    set({ status: { kind: "bad", text: messageOf(error) } });
+    set({ status: loadFault(error, () => void loadAll()) });
   }
 }
+
+const loadAll = () => Promise.all(KINDS.map(load));
 
 async function trySample() {
   set({ status: { kind: "quiet", text: "Taking the sample flight in …" } });
@@ -133,5 +136,5 @@ document.addEventListener("keydown", (event) => {
   event.preventDefault();
   byId("search").focus();
 });
-void Promise.all(KINDS.map(load)).then(() => watch());
+void loadAll().then(() => watch());
 mountFooter();

@@ -40,6 +40,7 @@ import { makePlanView } from "./planView.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeSimulator } from "./simulator.js";
 import { mountFooter } from "../shared/components/footer.js";
+import { loadFault } from "../shared/components/status.js";
 
 const address = readAddress();
 
@@ -207,7 +208,7 @@ async function start() {
     const pad = isKnown ? state.pad : (pads.items[0]?.id ?? "");
     set({ pads: pads.items, ...cameras, pad, looks: looks.items, grounds: looks.grounds });
   } catch (error) {
-    fail(error);
+    set({ status: loadFault(error) });
   }
 }
 
