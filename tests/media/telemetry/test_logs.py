@@ -118,6 +118,21 @@ def test_what_cannot_be_meant_is_refused() -> None:
         vehicle_table.parse(vehicle_logs.table(FLOWN) + b"\n1,2,x,4,5,6,7,8")
 
 
+@pytest.mark.parametrize(
+    "row",
+    ["0.1,nan,0,-3,1,0,0,0", "0,1,0,-3,1,0,0,0", "-1,1,0,-3,1,0,0,0", "0.1,1,0,-3,0,0,0,0", ""],
+)
+def test_a_table_is_taken_whole_or_refused(row: str) -> None:
+    header = ",".join(vehicle_table.COLUMNS)
+    with pytest.raises(SpecError, match="rising times and unit quaternions"):
+        vehicle_table.parse(f"{header}\n0,0,0,-3,1,0,0,0\n{row}\n".encode())
+    with pytest.raises(SpecError, match="column time_s twice"):
+        vehicle_table.parse(f"time_s,{header}\n9,0,0,0,-3,1,0,0,0\n".encode())
+    found = vehicle_table.parse(f"{header}\n0,0,0,-3,2,0,0,0\n1,0,0,-3,0,0,0,2\n".encode())
+    assert found.attitude is not None
+    assert found.attitude.values.tolist() == [[1, 0, 0, 0], [0, 0, 0, 1]]
+
+
 def test_a_position_that_is_not_valid_is_not_taken() -> None:
     data = bytearray(vehicle_logs.ulog(FLOWN))
     flags = struct.pack("<3f", *FLOWN.local_m[0]) + b"\x01\x01"

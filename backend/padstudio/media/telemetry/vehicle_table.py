@@ -12,6 +12,8 @@ from padstudio.errors import SpecError
 from padstudio.media.telemetry.vehicle_log import Series, VehicleLog
 
 COLUMNS = ("time_s", "north_m", "east_m", "down_m", "qw", "qx", "qy", "qz")
+# Less is no quaternion of a rotation, however it was rounded.
+_LEAST_NORM = 0.5
 
 
 def read_rows(lines: Iterable[str]) -> Array:
@@ -20,10 +22,17 @@ def read_rows(lines: Iterable[str]) -> Array:
     Raises
     ------
     SpecError
-        If a column is missing or a cell is no number, naming it.
+        If a column is missing or stands twice or a cell is no number, naming it.
     """
     reader = csv.DictReader(line for line in lines if not line.startswith("#"))
-    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    header = list(reader.fieldnames or ())
+    twice = next((name for name in COLUMNS if header.count(name) > 1), None)
+    if twice is not None:
+        raise SpecError(
+            f"the vehicle's track has the column {twice} twice; leave one",
+            code="invalid_vehicle_track",
+        )
+    missing = [name for name in COLUMNS if name not in header]
     if missing:
         raise SpecError(
             f"the vehicle's track lacks the columns {', '.join(missing)}; its header must name "
@@ -41,8 +50,28 @@ def read_rows(lines: Iterable[str]) -> Array:
 
 
 def parse(data: bytes) -> VehicleLog:
-    """Read a file; raises as `read_rows`."""
+    """Read a file.
+
+    Raises
+    ------
+    SpecError
+        As of `read_rows`; or if there are fewer than two poses, or they are not finite, their times
+        do not rise, or a quaternion is none.
+    """
     rows = read_rows(data.decode("utf-8-sig", "replace").splitlines())
+    norms = np.linalg.norm(rows[:, 4:], axis=1, keepdims=True)
+    if (
+        len(rows) < 2
+        or not np.isfinite(rows).all()
+        or (np.diff(rows[:, 0]) <= 0).any()
+        or (norms < _LEAST_NORM).any()
+    ):
+        raise SpecError(
+            "the vehicle's track needs two poses or more, finite, with rising times and unit "
+            "quaternions",
+            code="invalid_vehicle_track",
+        )
+    rows[:, 4:] /= norms
     return VehicleLog(
         "csv",
         attitude=Series.of(rows[:, 0], rows[:, 4:]),
