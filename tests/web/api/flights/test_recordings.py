@@ -99,6 +99,12 @@ def test_a_topic_is_chosen_from_those_there_are(api: Api, tmp_path: Path, refuse
     refused(api.order(upload, api.video, topic=OTHER, camera=None), 422, "camera_required")
 
 
+def test_a_topic_is_of_recordings(api: Api, refused: Refused) -> None:
+    upload = api.upload((FOOTAGE / "stills" / "a_cast0_1300.jpg").read_bytes(), "still.jpg")
+    error = refused(api.order(upload, topic=TOPIC), 422, "no_recording")
+    assert "leave it out" in error["message"]
+
+
 def test_any_frame_of_a_video_stream_is_shown(api: Api, tmp_path: Path) -> None:
     path = made.write_mcap(tmp_path / "stream.mcap", Scene(kind="video"))
     upload = api.upload(path.read_bytes(), "stream.mcap")

@@ -28,10 +28,15 @@ def with_recordings(order: FlightOrder, given: FlightSettings, shared: Services)
     RecordingError
         If a topic has to be chosen, or is not there; the message lists what there is.
     SpecError
-        If there is no camera.
+        If there is no camera, or a topic without a recording.
     """
     uploads = [shared.store.uploads.get(upload) for upload in order.uploads]
     recordings = [upload for upload in uploads if upload.kind == "recording"]
+    if order.request.get("topic") and not recordings:
+        raise SpecError(
+            "`topic` is of recordings, and none of the uploads is one; leave it out",
+            code="no_recording",
+        )
     looks = [_look(upload, order.request.get("topic"), shared) for upload in recordings]
     # A calibration that was recorded has no id.
     is_recorded = not order.camera or not order.request.get("camera_id")
