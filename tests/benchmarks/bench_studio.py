@@ -83,11 +83,19 @@ _DRAG = """([name, at]) => new Promise(resolve => {
   slider.dispatchEvent(new Event("input", { bubbles: true }));
 })"""
 #: Parameter, the stage beside which it stands, and the view that is looked at.
-_DRAGGED = (
-    ("search.least_step", "edges", "Look at Edges, red"),
-    ("search.most_tries", "lines", "Look at Lines, red"),
-    ("refine.reach_px", "outline", "Look at Lines, red"),
-)
+_DRAGGED = {
+    "dense": (
+        ("search.least_step", "Look at Edges, red"),
+        ("search.most_tries", "Look at Lines, red"),
+        ("refine.reach_px", "Look at Lines, red"),
+    ),
+    "paper": (
+        ("paper.canny_high", "Look at Edges, blue"),
+        ("paper.hough_votes", "Look at Lines, blue"),
+    ),
+}
+# Longer than the page takes for a rest: it has begun to fetch all other views.
+_REST_MS = 300
 _FETCH = """async address => {
   const start = performance.now();
   const answer = await fetch(address);
@@ -147,20 +155,37 @@ def traces(page: Page, base: str, rounds: int, last: int) -> dict[str, list[floa
     return taken
 
 
-def drags(page: Page, rounds: int) -> dict[str, list[float]]:
+def drags(page: Page, rounds: int, method: str) -> dict[str, list[float]]:
     """Milliseconds of a slider's step until the stage and the pose stand anew, by parameter."""
     taken: dict[str, list[float]] = {}
-    for name, _, view in _DRAGGED:
+    for name, view in _DRAGGED[method]:
         page.get_by_role("button", name=view).click()
         # Rows of a closed stage are there, too, and their sliders work.
         middle = int(page.locator(f".param[data-name='{name}'] [data-ref=slider]").input_value())
         page.wait_for_timeout(1000)
-        steps = [middle + 3 * (k + 1) for k in range(rounds)]
         page.evaluate(_DRAG, [name, middle + 1])
-        # Without a rest, as a hand drags: after one, all other views are fetched as well.
-        taken[f"dragging {name}"] = [float(page.evaluate(_DRAG, [name, at])) for at in steps]
+        # Without a rest, as a hand drags; then with one before each step.
+        for rest_ms, what in ((0, f"dragging {name}"), (_REST_MS, f"{name} after a rest")):
+            taken[what] = []
+            for step in range(rounds):
+                page.wait_for_timeout(rest_ms)
+                at = middle + 3 * (step + 1) + (1 if rest_ms else 0)
+                taken[what].append(float(page.evaluate(_DRAG, [name, at])))
         page.get_by_role("button", name="Reset all").click()
     return taken
+
+
+def paper(page: Page, client: httpx.Client, base: str, rounds: int) -> dict[str, Any]:
+    """Figures of the same flight by the paper's method."""
+    run = client.post(f"{base}/rerun", json={"method": "paper", "stride": 10}).raise_for_status()
+    again = run.headers["Location"]
+    while client.get(again).json()["state"] in OPEN:
+        time.sleep(_LOOK_S)
+    page.goto(f"/flights/{again.rsplit('/', 1)[1]}?frame=40")
+    page.wait_for_selector("#frame canvas[data-sharp=true]")
+    page.wait_for_selector("#workbench .stage-row-blue .tile", timeout=600_000)
+    page.wait_for_load_state("networkidle")
+    return dict(drags(page, max(4, rounds // 3), "paper"))
 
 
 def weight(client: httpx.Client, base: str, frame: int) -> int:
@@ -188,7 +213,7 @@ def measure(page: Page, client: httpx.Client, base: str, rounds: int) -> dict[st
     page.keyboard.press(" ")
     found |= {"frames painted in 3 s of play": painted, "frames passed": passed}
     found |= traces(page, base, max(4, rounds // 4), last)
-    found |= drags(page, max(4, rounds // 3))
+    found |= drags(page, max(4, rounds // 3), "dense")
     found["bytes of a result's thumbnails"] = weight(client, base, last // 2)
     return found
 
@@ -241,6 +266,7 @@ def main() -> None:
         ):
             [base] = order(client, video, camera=camera)
             results[video.stem] = measure(page, client, base, given.rounds)
+            results[video.stem] |= paper(page, client, base, given.rounds)
             print("\n".join(_lines(video.stem, results[video.stem])), flush=True)
         browser.close()
     if given.json:
