@@ -20,6 +20,19 @@ from padstudio.cli.outcomes import (
     show_summary,
     write_record,
 )
+from padstudio.cli.reading_options import (
+    AtRest,
+    Fuse,
+    MethodName,
+    Output,
+    Param,
+    Quiet,
+    Rotation,
+    Smooth,
+    Stride,
+    Topic,
+    Unmix,
+)
 from padstudio.cli.support import (
     NoDistortion,
     check_output,
@@ -66,43 +79,14 @@ CameraName = Annotated[
         help="Camera file, or a preset's id (see: padstudio cameras); recordings may bring theirs."
     ),
 ]
-Topic = Annotated[
-    str | None, typer.Option(help="Of recordings: the topic with the pictures, if several have.")
-]
-Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
-MethodName = Annotated[
-    Literal["dense", "paper"],
-    typer.Option(help="dense: all that is in the picture; paper: the published method."),
-]
-Unmix = Annotated[
-    bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
-]
-AtRest = Annotated[bool, typer.Option("--at-rest", help="The camera stood still, as on a tripod.")]
-Param = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--param",
-        metavar="NAME=VALUE",
-        help="A detector parameter, as search.least_step=0.4; again for more.",
-    ),
-]
 Jobs = Annotated[
     int,
     typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
-]
-Stride = Annotated[int, typer.Option(min=1, help="Read every n-th frame of videos.")]
-Rotation = Annotated[bool, typer.Option(help="Turn videos as their rotation flag says.")]
-Fuse = Annotated[
-    bool, typer.Option(help="Fuse the poses of a video over time, each by its own covariance.")
-]
-Smooth = Annotated[
-    bool, typer.Option("--smooth", help="Fuse them with later frames, too: for recordings.")
 ]
 Resume = Annotated[
     bool, typer.Option("--resume", help="Go on with an existing file: read what it lacks.")
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")]
 
 
 def register(app: typer.Typer) -> None:

@@ -7,11 +7,24 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Annotated, Any, Literal
+from typing import IO, Annotated, Any
 
 import typer
 
 from padstudio.cli.outcomes import EXIT_NOTHING_FOUND, Figures, show_summary, write_record
+from padstudio.cli.reading_options import (
+    AtRest,
+    Fuse,
+    MethodName,
+    Output,
+    Param,
+    Quiet,
+    Rotation,
+    Smooth,
+    Stride,
+    Topic,
+    Unmix,
+)
 from padstudio.cli.remote.exporting import Exports
 from padstudio.cli.remote.following import follow, frames_of, whole_file
 from padstudio.cli.remote.lines import lines_of
@@ -46,10 +59,6 @@ CameraName = Annotated[
         help="Camera file, or a camera on the server by name or id; recordings may bring theirs."
     ),
 ]
-Topic = Annotated[
-    str | None, typer.Option(help="Of recordings: the topic with the pictures, if several have.")
-]
-Output = Annotated[str, typer.Option("-o", "--output", help="Poses file to write; - is stdout.")]
 ExportWords = Annotated[
     list[str] | None,
     typer.Option(
@@ -68,26 +77,6 @@ Vehicle = Annotated[
     Path | None,
     typer.Option(help="Where the vehicle was, for px4: its log, or a CSV; see docs/exports.md."),
 ]
-MethodName = Annotated[
-    Literal["dense", "paper"],
-    typer.Option(help="dense: all that is in the picture; paper: the published method."),
-]
-Unmix = Annotated[
-    bool, typer.Option(help="Un-mix colours by the pad's crosstalk, where it has one.")
-]
-AtRest = Annotated[bool, typer.Option("--at-rest", help="The camera stood still, as on a tripod.")]
-Param = Annotated[
-    list[str] | None,
-    typer.Option("--param", metavar="NAME=VALUE", help="A detector parameter; again for more."),
-]
-Stride = Annotated[int, typer.Option(min=1, help="Read every n-th frame.")]
-Rotation = Annotated[bool, typer.Option(help="Turn videos as their rotation flag says.")]
-Fuse = Annotated[
-    bool, typer.Option(help="Fuse the poses of a video over time, each by its own covariance.")
-]
-Smooth = Annotated[
-    bool, typer.Option("--smooth", help="Fuse them with later frames, too: for recordings.")
-]
 Name = Annotated[str | None, typer.Option(help="What the flight is called on the server.")]
 Callback = Annotated[
     str | None, typer.Option(metavar="URL", help="Have the server call there when it has ended.")
@@ -99,7 +88,6 @@ Patience = Annotated[
     float, typer.Option(min=0, help="Give up after so long without an answer of the server, s.")
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over existing files.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No summary.")]
 
 
 def register(app: typer.Typer) -> None:
