@@ -121,6 +121,9 @@ def test_a_lens_without_distortion_is_ticked(
     cameras.get_by_label("Download as").select_option("COLMAP")
     link = cameras.get_by_label("Download silent as of COLMAP").first
     expect(link).to_have_attribute("href", re.compile(r"/files/cameras\.txt$"))
+    # What a camera's note says is there to be read, whole.
+    note = cameras.locator("#stored .item-note", has_text="640 × 480").first
+    assert note.evaluate("note => note.scrollWidth <= note.clientWidth")
 
 
 def test_a_pad_and_a_camera_among_the_files_are_taken_as_such(
