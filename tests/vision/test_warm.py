@@ -6,11 +6,11 @@ from padstudio.vision import warm
 from padstudio.vision.cells import cells_kernel
 from padstudio.vision.frame import pixels_kernel
 from padstudio.vision.pose import (
-    alignment_kernel,
     edge_points_kernel,
     least_squares_kernel,
     row_motion_kernel,
 )
+from padstudio.vision.pose.pattern import alignment_kernel
 from padstudio.vision.search import search_kernel
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -232,15 +233,41 @@ class Detector:
         trace : bool
             Keep every stage's output.
         """
-        detection = None
         if expected is not None:
-            _check(frame)
-            recorder = Recorder(keep=trace)
-            followed = self._dense.follow(frame, expected, recorder)
-            detection = _finish(followed, frame, recorder, recorder.elapsed_ms())
-        if detection is None or not detection.ok:
-            detection = self.detect(frame, trace=trace)
-        return detection
+            detection = self.look_near(frame, expected, trace=trace)
+            if detection.ok:
+                return detection
+        return self.detect(frame, trace=trace)
+
+    def look_near(
+        self,
+        frame: Image | YuvFrame,
+        expected: Expectation,
+        *,
+        reach: float = math.inf,
+        trace: bool = False,
+    ) -> Detection:
+        """Find the pad near where it is expected, by the dense method.
+
+        Parameters
+        ----------
+        frame : (H, W, 3) uint8, BGR, or YuvFrame
+        expected : Expectation
+        reach : float
+            Expectations that may be off by about so much, as of `Expectation.miss`, are first
+            brought nearer by correlation, and poses that lie farther off are none.
+        trace : bool
+            Keep every stage's output.
+
+        Raises
+        ------
+        ImageError, CameraMismatchError
+            As `detect`.
+        """
+        _check(frame)
+        recorder = Recorder(keep=trace)
+        found = self._dense.follow(frame, expected, recorder, reach)
+        return _finish(found, frame, recorder, recorder.elapsed_ms())
 
     def expect_after(self, frames: Iterable[Image | YuvFrame]) -> Expectation | None:
         """Follow the pad through frames, and say what the next one should show.

@@ -28,7 +28,7 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.pose.least_squares_kernel import linearize
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.stage.detection import Detection
 
 #: More frames than these change little.

@@ -10,10 +10,10 @@ from padstudio.arrays import Image
 from padstudio.geometry.camera import Camera
 from padstudio.vision.dense.method import Dense
 from padstudio.vision.frame.diagnosis import examine
-from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.reasons.clues import Clues
 from padstudio.vision.reasons.doubts import doubts_of, seen_with
 from padstudio.vision.reasons.other_cameras import other_cameras, wrong_camera
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import Finding, Reason, Recorder, StageFailure
 

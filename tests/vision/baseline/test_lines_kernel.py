@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from padstudio.vision.baseline.lines_kernel import join, merge, pointed_at, sharpen
+from padstudio.vision.baseline.hough import homogeneous
+from padstudio.vision.baseline.lines_kernel import join, merge, pointed_at, sharpen, uncrossed
 from padstudio.vision.baseline.vanishing_points import aligned
 
 NEAR = 2.5
@@ -99,3 +100,18 @@ def test_weight_pointed_at_a_point_is_that_of_aligned_lines(seed):
     expected = [weight[aligned(point, ends)].sum() for point in points]
     found = pointed_at(points, ends, weight, float(np.radians(1.5)))
     np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+@given(st.integers(0, 10_000), st.integers(0, 40))
+def test_lines_that_cross_better_ones_within_their_length_are_dropped(seed, count):
+    rng = np.random.default_rng(seed)
+    ends, family = rng.normal(0, 1, (count, 2, 2)), rng.uniform(0, 1, count) < 0.7
+    # Some are supported alike.
+    support = -np.sort(-rng.integers(1, 20, count).astype(float))
+    lines, expected = homogeneous(ends), family.copy()
+    for k in np.flatnonzero(family)[::-1]:
+        others = np.flatnonzero(expected & (support > support[k]))
+        sides = lines[others] @ np.column_stack([ends[k], np.ones(2)]).T
+        across = np.concatenate([ends[others], np.ones((len(others), 2, 1))], axis=2) @ lines[k]
+        expected[k] = not ((sides.prod(axis=1) < 0) & (across.prod(axis=1) < 0)).any()
+    np.testing.assert_array_equal(uncrossed(ends, family, support), expected)

@@ -59,9 +59,13 @@ def test_every_channel_at_every_scale_is_that_of_the_picture(channel, level):
 @pytest.mark.parametrize("channel", ["red", "green", "blue"])
 def test_single_pixels_are_those_of_the_picture(channel):
     frame = in_planes(smooth(4))
-    xy = np.random.default_rng(1).integers(0, 96, (300, 2))
-    found = YuvPyramid(frame).values_at(channel, xy)
-    np.testing.assert_allclose(found, Pyramid(frame.bgr).values_at(channel, xy), atol=2)
+    # As pictures of which colours are drawn out between pixels.
+    y, u, v = frame.y, *(cv2.resize(c, (160, 96)) for c in (frame.u, frame.v))
+    drawn = cv2.cvtColor(cv2.merge([y, v, u]), cv2.COLOR_YCrCb2BGR)
+    plain = Pyramid(frame.bgr if channel == "green" else drawn)
+    every = np.stack(np.meshgrid(np.arange(160), np.arange(96)), axis=-1).reshape(-1, 2)
+    found = YuvPyramid(frame).values_at(channel, every)
+    np.testing.assert_allclose(found, plain.values_at(channel, every), atol=2)
 
 
 def test_a_limited_range_of_the_other_standard_is_the_same_picture():

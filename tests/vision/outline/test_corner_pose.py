@@ -10,7 +10,6 @@ from padstudio.geometry.pose import Pose, look_at_pad
 from padstudio.vision.outline.corner_pose import (
     corner_covariance,
     corner_residuals,
-    corner_sigma_px,
     unsure,
 )
 from padstudio.vision.stage.trace import Reason
@@ -69,22 +68,56 @@ def test_covariance_is_that_of_many_trials(tilt_deg):
             for _ in range(400)
         ]
     )
-    told = corner_covariance(pose, paper_camera(), SQUARE_MM, seen(pose), 0.3)
+    told = corner_covariance(pose, paper_camera(), SQUARE_MM, seen(pose), 0.3**2 * np.eye(8))
+    ratio = np.sqrt(np.diag(told))[:3] / trials.std(axis=0)
+    assert ((ratio > 0.7) & (ratio < 1.5)).all()
+
+
+def test_scatter_may_differ_from_corner_to_corner():
+    rng = np.random.default_rng(3)
+    pose = look_at_pad(140.0, tilt_deg=25, heading_deg=60, tilt_towards_deg=20)
+    # Two corners on one side move together, the others hardly at all.
+    root = np.diag([0.5] * 4 + [0.05] * 4)
+    root[2, 0] = root[3, 1] = 0.5
+    trials = np.array(
+        [
+            solved(seen(pose) + (root @ rng.normal(0, 1, 8)).reshape(4, 2)).position_mm
+            - pose.position_mm
+            for _ in range(400)
+        ]
+    )
+    told = corner_covariance(pose, paper_camera(), SQUARE_MM, seen(pose), root @ root.T)
     ratio = np.sqrt(np.diag(told))[:3] / trials.std(axis=0)
     assert ((ratio > 0.7) & (ratio < 1.5)).all()
 
 
 def test_bent_squares_are_less_sure_than_their_sides():
-    residuals = np.array([[1.0, 0.5], [-1.0, 0.5], [1.0, -0.5], [-1.0, -0.5]])
-    assert corner_sigma_px(residuals, 0.1) == pytest.approx(np.sqrt(5 / 2))
-    assert corner_sigma_px(residuals * 0, 0.1) == 0.1
+    pose = look_at_pad(140.0, tilt_deg=20)
+    bend = np.array([[1.0, 0.5], [-1.0, 0.5], [1.0, -0.5], [-1.0, -0.5]])
+    scatter = 0.1**2 * np.eye(8)
+    straight, bent = (
+        corner_covariance(solved(xy), paper_camera(), SQUARE_MM, xy, scatter)
+        for xy in (seen(pose), seen(pose) + bend)
+    )
+    # A bend of 0.6 px a coordinate beside a scatter of 0.1.
+    assert 4 < np.sqrt(np.trace(bent[:3, :3]) / np.trace(straight[:3, :3])) < 12
+
+
+def test_corners_bent_far_beyond_their_scatter_leave_a_wide_pose_but_a_finite_one():
+    pose = look_at_pad(140.0, tilt_deg=20)
+    xy = seen(pose) + 8 * np.array([[1.0, 0.5], [-1.0, 0.5], [1.0, -0.5], [-1.0, -0.5]])
+    covariance = corner_covariance(solved(xy), paper_camera(), SQUARE_MM, xy, 1e-6 * np.eye(8))
+    sigma_mm = np.sqrt(np.diag(covariance)[:3])
+    assert ((sigma_mm > 0.1) & (sigma_mm < 20)).all()
 
 
 def test_small_squares_leave_the_pose_open_and_are_refused():
     verdicts = []
     for height_mm in (140.0, 4000.0):
         pose = look_at_pad(height_mm, tilt_deg=3, heading_deg=20)
-        covariance = corner_covariance(pose, paper_camera(), SQUARE_MM, seen(pose), 0.2)
+        covariance = corner_covariance(
+            pose, paper_camera(), SQUARE_MM, seen(pose), 0.2**2 * np.eye(8)
+        )
         verdicts.append(unsure(pose, covariance, 50 * 1886 / height_mm, 0.03, 3.0))
     assert verdicts[0] is None
     assert verdicts[1] is not None

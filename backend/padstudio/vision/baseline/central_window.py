@@ -46,6 +46,12 @@ class CentralWindow:
         return self.grid.found.edges.plane
 
     @property
+    def corners(self) -> Array:
+        """(4, 2) float64, lattice coordinates (column, row) of the corners."""
+        square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+        return np.asarray(np.array([self.column, self.row]) + self.size * square, float)
+
+    @property
     def cell_px(self) -> float:
         """Mean side of a cell of the window, frame pixels."""
         return float(np.sqrt(self.area_px)) / self.size

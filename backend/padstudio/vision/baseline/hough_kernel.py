@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.compiled import jit
 
-# Bins of a line's normal over half a turn: half a degree each.
-BINS = 360
+# Bins of a line's normal over half a turn: three quarters of a degree each.
+BINS = 240
 # A pixel votes for lines whose normals are this near to its gradient, bins: ten degrees.
-_REACH = 20
+_REACH = 13
 
 Votes = NDArray[np.int16]
 Numbers = NDArray[np.int32]

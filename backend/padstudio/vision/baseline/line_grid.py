@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
+from padstudio.vision.baseline import lines_kernel
 from padstudio.vision.baseline.hough import Lines, homogeneous
 from padstudio.vision.baseline.vanishing_points import aligned, two_vanishing_points
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -112,7 +113,7 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
     steps = np.zeros(len(ends), np.intp)
     for axis in (0, 1):
         pointing = aligned(points[axis], ends)
-        ordered = pointing & _ordered(lines, ends, pointing, found.support)
+        ordered = pointing & lines_kernel.uncrossed(ends, pointing, found.support)
         steps = np.maximum(steps, pointing.astype(np.intp) + ordered)
         which = np.flatnonzero(ordered)
         if len(which) >= _LEAST_LINES:
@@ -123,19 +124,6 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
     if fit is None:
         return _too_few(found, "no even spacing fits two families of them")
     return _grid(fit, to_unit, numbers, found, steps)
-
-
-def _ordered(lines: Array, ends: Array, family: Flags, support: Array) -> Flags:
-    """Which lines of a family cross no better supported one within their own length."""
-    keep = family.copy()
-    for k in np.flatnonzero(family)[::-1]:
-        better = family & keep & (support > support[k])
-        sides = lines[better] @ np.column_stack([ends[k], np.ones(2)]).T
-        others = np.concatenate([ends[better], np.ones((int(better.sum()), 2, 1))], axis=2)
-        across = others @ lines[k]
-        crosses = (sides.prod(axis=1) < 0) & (across.prod(axis=1) < 0)
-        keep[k] = not crosses.any()
-    return keep
 
 
 def _places(lines: Array, point: Array, horizon: Array) -> Array:
@@ -232,11 +220,12 @@ def _grid(
         return _too_few(found, "their two families lie on one another")
     distances = []
     for axis in (0, 1):
-        for k in np.flatnonzero(np.isfinite(numbers[axis])):
-            line = _line(upright, axis, float(numbers[axis, k]))
-            distances.append(found.ends[k] @ line[:2] + line[2])
+        which = np.isfinite(numbers[axis])
+        lines = _lines(upright, axis, numbers[axis, which])
+        along = (found.ends[which] * lines[:, None, :2]).sum(axis=2)
+        distances.append(along + lines[:, 2:])
     families = [_family(upright, axis, numbers[axis]) for axis in (0, 1)]
-    rms = float(np.sqrt(np.mean(np.square(distances))))
+    rms = float(np.sqrt(np.mean(np.square(np.concatenate(distances)))))
     dropped = tuple(
         "" if is_kept else _REASONS[step] for is_kept, step in zip(kept, steps, strict=True)
     )
@@ -258,17 +247,17 @@ def _oriented(fit: Array, middle: Array, numbers: Array) -> tuple[Array | None, 
     return fit, numbers * signs[:, None]
 
 
-def _line(fit: Array, axis: int, number: float) -> Array:
-    line = fit[axis] - number * fit[2]
-    return np.asarray(line / np.linalg.norm(line[:2]), float)
+def _lines(fit: Array, axis: int, numbers: Array) -> Array:
+    """Lines (K, 3) of a family by their numbers (K,), with unit normals."""
+    lines = fit[axis] - numbers[:, None] * fit[2]
+    return np.asarray(lines / np.linalg.norm(lines[:, :2], axis=1, keepdims=True), float)
 
 
 def _family(fit: Array, axis: int, numbers: Array) -> Family:
     """All lines from a family's first to its last, where the fit has them."""
     known = np.unique(numbers[np.isfinite(numbers)])
     every = np.arange(known[0], known[-1] + 1)
-    lines = np.array([_line(fit, axis, number) for number in every])
-    return Family(int(known[0]), lines, ~np.isin(every, known))
+    return Family(int(known[0]), _lines(fit, axis, every), ~np.isin(every, known))
 
 
 def _too_few(found: Lines, why: str) -> StageFailure:

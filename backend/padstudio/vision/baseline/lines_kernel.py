@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import jit
+from padstudio.vision.baseline.tiles_kernel import beside, tiled
 
 # So few edge points fit no line.
 _LEAST_POINTS = 8
@@ -116,7 +117,8 @@ def join(pieces: Array, group: NDArray[np.intp]) -> tuple[Array, Array]:
 def sharpen(ends: Array, points: Array, near: float) -> Array:
     """Lines (M, 2, 2) fitted to the edge points (P, 2) beside them, twice."""
     sharp = ends.copy()
-    beside = np.empty(len(points), np.intp)
+    tiles = tiled(points, ends, 2 * near)
+    close, fitting = np.empty(len(points), np.intp), np.empty(len(points), np.intp)
     for k in range(len(ends)):
         nx, ny, c = _of_piece(ends, k)
         ax, ay = -ny, nx
@@ -125,18 +127,20 @@ def sharpen(ends: Array, points: Array, near: float) -> Array:
             ends[k, 1, 0] * ax + ends[k, 1, 1] * ay,
         )
         low, high = min(first, last) - 1, max(first, last) + 1
+        # The second line may leave the first by as much as its points do.
+        most = beside(tiles, ends[k], 2 * near, close)
         for _ in range(2):
             count, mx, my = 0, 0.0, 0.0
-            for p in range(len(points)):
+            for p in close[:most]:
                 x, y = points[p, 0], points[p, 1]
                 if abs(x * nx + y * ny + c) < near and low <= x * ax + y * ay <= high:
-                    beside[count] = p
+                    fitting[count] = p
                     count, mx, my = count + 1, mx + x, my + y
             if count < _LEAST_POINTS:
                 break
             mx, my = mx / count, my / count
             xx = xy = yy = 0.0
-            for p in beside[:count]:
+            for p in fitting[:count]:
                 x, y = points[p, 0] - mx, points[p, 1] - my
                 xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
             nx, ny, c = _fitted(mx, my, xx, xy, yy)
@@ -145,6 +149,31 @@ def sharpen(ends: Array, points: Array, near: float) -> Array:
             sharp[k, end, 0] = ends[k, end, 0] - foot * nx
             sharp[k, end, 1] = ends[k, end, 1] - foot * ny
     return sharp
+
+
+@jit
+def uncrossed(ends: Array, family: NDArray[np.bool_], support: Array) -> NDArray[np.bool_]:
+    """Which lines (M, 2, 2) of a family cross no better supported one within their own length.
+
+    Lines that were found to cross one count no more for those that come before them.
+    """
+    keep = family.copy()
+    for k in range(len(ends) - 1, -1, -1):
+        if not family[k]:
+            continue
+        nx, ny, c = _of_piece(ends, k)
+        for other in range(len(ends)):
+            if not keep[other] or support[other] <= support[k]:
+                continue
+            mx, my, d = _of_piece(ends, other)
+            first = ends[k, 0, 0] * mx + ends[k, 0, 1] * my + d
+            last = ends[k, 1, 0] * mx + ends[k, 1, 1] * my + d
+            start = ends[other, 0, 0] * nx + ends[other, 0, 1] * ny + c
+            stop = ends[other, 1, 0] * nx + ends[other, 1, 1] * ny + c
+            if first * last < 0 and start * stop < 0:
+                keep[k] = False
+                break
+    return keep
 
 
 @jit

@@ -43,7 +43,7 @@ from padstudio.vision.outline.quadrilateral import (
     find_outline,
     outline_pose,
 )
-from padstudio.vision.pose.refiner import Refiner
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
@@ -74,8 +74,10 @@ class Baseline:
         self.pad = pad
         self.camera = camera
         self.params = params
+        # Of one pose, windows of larger cells cover more of the picture.
+        largest_first = sorted(pad.layers, key=lambda layer: -layer.cell_mm)
         self.decoders: dict[Channel, WindowDecoder] = {
-            layer.channel: WindowDecoder(pad, layer) for layer in pad.layers
+            layer.channel: WindowDecoder(pad, layer) for layer in largest_first
         }
 
     def with_params(self, params: DetectorParams) -> Baseline:
@@ -89,19 +91,29 @@ class Baseline:
         seen = examine(bgr, self.pad, self.camera, self.params.prepare, recorder)
         regions = seen.regions
         frame = _Frame(seen.pyramid, seen.camera, seen.stretch, regions[0], recorder)
-        outline = self._from_outlines(frame, regions)
-        if isinstance(outline, StageFailure) and outline.reason is Reason.CHANNELS_SWAPPED:
-            return Detection(None, outline)
-        if isinstance(outline, OutlinePose):
-            # A whole sign is larger than any window of it, and the larger area wins.
-            if recorder.keep:
-                recorder.append(self._explain(replace(frame, region=outline.outline.region)))
-            recorder.note("pose", None, outline)
-            return _detection(outline, "outline")
+        # Parts of a sign that reaches beyond the frame have no outline of their own.
+        first = 1 if _is_cut(regions[0], seen.pyramid) else len(regions)
+        outline = self._from_outlines(frame, regions[:first])
+        if isinstance(outline, OutlinePose) or outline.reason is Reason.CHANNELS_SWAPPED:
+            return self._told(frame, outline)
         found = self._from_windows(frame, regions, outline)
         if found.failure is None or found.failure.reason is Reason.CHANNELS_SWAPPED:
             return found
+        if regions[first:]:
+            outline = self._from_outlines(frame, regions[first:])
+            if isinstance(outline, OutlinePose) or outline.reason is Reason.CHANNELS_SWAPPED:
+                return self._told(frame, outline)
         return Detection(None, diagnose(seen, found.failure))
+
+    def _told(self, frame: _Frame, outline: OutlinePose | StageFailure) -> Detection:
+        """What an outline leads to: a whole sign is larger than any window of it, and wins."""
+        if isinstance(outline, StageFailure):
+            return Detection(None, outline)
+        recorder = frame.recorder
+        if recorder.keep:
+            recorder.append(self._explain(replace(frame, region=outline.outline.region)))
+        recorder.note("pose", None, outline)
+        return _detection(outline, "outline")
 
     def _explain(self, frame: _Frame) -> Recorder:
         """For a trace: the stages that the result did not need."""
@@ -192,9 +204,18 @@ class Baseline:
     def _read_channels(
         self, frame: _Frame, level: int, attempts: int
     ) -> tuple[list[WindowRead], list[StageFailure]]:
-        found = [self._read_channel(frame, channel, level, attempts) for channel in self.decoders]
-        reads = [item for item in found if isinstance(item, WindowRead)]
-        return reads, [item for item in found if isinstance(item, StageFailure)]
+        reads: list[WindowRead] = []
+        failures: list[StageFailure] = []
+        for channel in self.decoders:
+            found = self._read_channel(frame, channel, level, attempts)
+            if isinstance(found, StageFailure):
+                failures.append(found)
+                continue
+            reads.append(found)
+            # Smaller windows would lose; a trace shows them all the same.
+            if not frame.recorder.keep:
+                break
+        return reads, failures
 
     def _read_channel(
         self, frame: _Frame, channel: Channel, level: int, attempts: int
@@ -239,6 +260,17 @@ class Baseline:
         if isinstance(lines, StageFailure):
             return lines
         return run("lines", channel, find_line_grid, lines)
+
+
+def _is_cut(region: Region, pyramid: Pyramid) -> bool:
+    """Whether a region reaches beyond the frame."""
+    margin = 1 << region.level
+    box = region.box
+    return (
+        min(box.x0, box.y0) < margin
+        or box.x1 > pyramid.width - margin
+        or box.y1 > pyramid.height - margin
+    )
 
 
 def _progress(failure: StageFailure) -> int:

@@ -14,17 +14,14 @@ from padstudio.geometry.pose import Pose
 from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.baseline.decode import WindowRead
+from padstudio.vision.baseline.grid_covariance import corners_covariance
 from padstudio.vision.outline.corner_pose import (
     corner_covariance,
     corner_residuals,
-    corner_sigma_px,
     unsure,
 )
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
-
-# Lines are no better than this share of a plane's pixel, whatever their residuals say.
-_LEAST_SIGMA = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +107,8 @@ def window_pose(
         )
     pose, corners = answers[best], read.window.corners_xy
     residuals = corner_residuals(pose, camera, points_mm, corners)
-    lines_px = read.window.plane.pixel * max(read.window.grid.rms_px, _LEAST_SIGMA)
-    sigma_px = corner_sigma_px(residuals, lines_px)
-    covariance = corner_covariance(pose, camera, points_mm, corners, sigma_px)
+    scatter = read.window.plane.pixel**2 * corners_covariance(read.window.grid, read.window.corners)
+    covariance = corner_covariance(pose, camera, points_mm, corners, scatter)
     failure = unsure(
         pose,
         covariance,

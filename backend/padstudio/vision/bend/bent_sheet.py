@@ -35,8 +35,8 @@ from padstudio.vision.pose.edge_points import EdgePoints, find_edge_points
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.least_squares import Fit, bounds_of
 from padstudio.vision.pose.pose_posterior import Explained
-from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.refiner import Refiner
+from padstudio.vision.refine.results import RefinedPose
 
 # Neighbours that agree by so many standard deviations make heights worth a fit; flat sheets do so
 # in one frame of eight, and are then told by the odds.

@@ -26,8 +26,8 @@ from padstudio.vision.pose.edge_points import EdgeFinder, EdgePoints, measurable
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.least_squares import Fit, bounds_of
 from padstudio.vision.pose.pose_posterior import Explained
-from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.pose.row_motion import MotionBounds
+from padstudio.vision.refine.refiner import Refiner
 
 # So many borders are measured, so many of them in a square, which is so many cells wide at least.
 _MOST, _IN_A_SQUARE, _CELLS = 12_000, 14, 4.0

@@ -14,8 +14,8 @@ from padstudio.vision.cells.layer_read import LayerRead, judge_together
 from padstudio.vision.dense.whole_pad import WholeSign
 from padstudio.vision.pose.covariance import with_picture_shift
 from padstudio.vision.pose.least_squares import Fit
-from padstudio.vision.pose.refiner import most_residual_px
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.refiner import most_residual_px
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.stage.detection import Detection, Uncertainty
 from padstudio.vision.stage.params import RefineParams
 from padstudio.vision.stage.trace import Reason, StageFailure

@@ -23,6 +23,7 @@ where they find nothing; `Detector.track` takes 1, 7 and 8.
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -32,14 +33,13 @@ import numpy as np
 from padstudio.arrays import Image, YuvFrame
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
-from padstudio.vision.bend.bent_sheet import as_it_lies
-from padstudio.vision.cells.evidence import Evidence
 from padstudio.vision.cells.layer_read import LayerRead
-from padstudio.vision.dense.answer import choose, of_refined, of_whole_sign, unfit
+from padstudio.vision.dense.answer import of_whole_sign
 from padstudio.vision.dense.explain import explain
-from padstudio.vision.dense.misplaced import at_its_place
+from padstudio.vision.dense.following import look_near
+from padstudio.vision.dense.judge import judge
 from padstudio.vision.dense.misreadings import find_misreading
-from padstudio.vision.dense.scales import borne_out, contradiction
+from padstudio.vision.dense.scales import contradiction
 from padstudio.vision.dense.starts import first_poses, refine_best
 from padstudio.vision.dense.tracker import Expectation
 from padstudio.vision.dense.whole_pad import (
@@ -52,21 +52,15 @@ from padstudio.vision.frame.diagnosis import FrameEvidence, diagnose, examine
 from padstudio.vision.frame.prepare import prepare
 from padstudio.vision.frame.regions import Region
 from padstudio.vision.outline.quadrilateral import Outline
-from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import RefinedPose
 from padstudio.vision.reasons.clues import Clues
 from padstudio.vision.reasons.failed import in_full
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.search.known_pads import FoundPad, KnownPad, together
 from padstudio.vision.search.looks import Search
 from padstudio.vision.search.search import Miss, Sighting, sightings
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.params import DetectorParams
 from padstudio.vision.stage.trace import Reason, Recorder, StageFailure
-
-# While following, layers with cells of this width and number must agree.
-_READABLE_PX, _ENOUGH = 5.0, 30
-# Where so many cells of the fitted layer agree, a lock cannot have slipped.
-_SURE_KAPPA = 0.8
 
 
 class Dense:
@@ -159,27 +153,28 @@ class Dense:
         return diagnose(frame, failure) if explained is failure else explained
 
     def follow(
-        self, frame: Image | YuvFrame, expected: Expectation, recorder: Recorder
+        self,
+        frame: Image | YuvFrame,
+        expected: Expectation,
+        recorder: Recorder,
+        reach: float = math.inf,
     ) -> Detection:
         """Find a pad near its expected pose; fails where the picture denies it.
 
-        A near miss must not pass for a lock, so every layer that can be read has to agree.
+        Parameters
+        ----------
+        frame : (H, W, 3) uint8, BGR, or YuvFrame
+        expected : Expectation
+        recorder : Recorder
+        reach : float
+            As of `Detector.look_near`.
         """
         camera = self.camera.for_frame(frame.shape[1], frame.shape[0])
         known = next(pad for pad in self.known if expected.pad_id in (None, pad.id))
         pyramid = prepare(frame, known.pad, self.params.prepare, recorder)
         refiner = Refiner(pyramid, camera, known.pad, self.params, 0, expected.motion)
-        miss_px = expected.miss * camera.focal_px
-        refined = recorder.run("pose", None, refiner.follow, expected.pose, miss_px)
-        if refined is None:
-            refined = recorder.run("pose", None, refine_best, refiner, [expected.pose], np.inf)
-        detection, reads = self._judge(refiner, refined, recorder)
-        for read in reads:
-            readable = read.cells.cell_px >= _READABLE_PX and read.evidence.read >= _ENOUGH
-            if detection.ok and readable and not read.evidence.suffices(0.0):
-                detail = f"near the last pose {read.wrong_cells} differ from the pad"
-                return Detection(None, StageFailure("pose", Reason.POSE_REJECTED, detail))
-        return replace(detection, pad_id=known.id) if detection.ok else detection
+        found = look_near(refiner, expected, recorder, reach)
+        return replace(found, pad_id=known.id) if found.ok else found
 
     def _by_outline(self, search: Search, regions: list[Region]) -> None:
         """Find pads that are small in the frame, from where their colour ends.
@@ -202,7 +197,7 @@ class Dense:
         """The pose of a pad whose four sides those of an outline are."""
         starts = recorder.run("pose", None, readable_poses, outline, refiner)
         refined = recorder.run("pose", None, refine_best, refiner, starts, np.inf)
-        return self._judge(refiner, refined, recorder)
+        return judge(refiner, refined, recorder)
 
     def _by_lattice(
         self, search: Search, regions: Iterable[Region]
@@ -253,7 +248,7 @@ class Dense:
         refiner = self._refiner(search, pad, search.attempts)
         good_mm = found.placement.layer.cell_mm
         refined = recorder.run("pose", None, refine_best, refiner, starts, good_mm)
-        return self._judge(refiner, refined, recorder)
+        return judge(refiner, refined, recorder)
 
     def _left(
         self, search: Search, regions: Iterable[Region]
@@ -266,53 +261,6 @@ class Dense:
 
     def _refiner(self, search: Search, pad: Pad, attempts: int) -> Refiner:
         return Refiner(search.pyramid, search.camera, pad, self.params, attempts)
-
-    def _judge(
-        self, refiner: Refiner, refined: RefinedPose | None, recorder: Recorder
-    ) -> tuple[Detection, list[LayerRead]]:
-        """Read cells with the refined pose; give it only where they agree with the pad.
-
-        Layers besides the fitted one are read where that leaves a doubt.
-        """
-        failure = unfit(refined, self.params.refine)
-        if failure is not None or refined is None:
-            recorder.note("pose", None, failure)
-            return Detection(None, failure), []
-        reads = [refined.read]
-        sure = self._is_sure(refiner, refined.read.evidence) and not recorder.keep
-        for layer in [] if sure else refiner.pad.layers:
-            if layer is refined.layer:
-                continue
-            read = recorder.run("decode", layer.channel, refiner.read, layer, refined.fit.pose)
-            if read is not None:
-                reads.append(read)
-        bound = self._bound(refiner)
-        choice = recorder.run("choose", None, choose, reads, refined.layer, bound)
-        if isinstance(choice, StageFailure):
-            return Detection(None, choice), reads
-        if refiner.attempts:
-            settled = recorder.run("pose", None, borne_out, refiner, refined)
-            if settled is refined:
-                settled = recorder.run("pose", None, at_its_place, refiner, refined)
-            if isinstance(settled, StageFailure):
-                return Detection(None, settled), reads
-            if settled is not refined:
-                return self._judge(refiner, settled, recorder)
-            refined = recorder.run("pose", None, as_it_lies, refiner, refined)
-        return of_refined(refined, choice), reads
-
-    def _is_sure(self, refiner: Refiner, evidence: Evidence) -> bool:
-        """True where the fitted layer's cells need no other's to bear them out."""
-        bound = self._bound(refiner)
-        if refiner.attempts:
-            return evidence.suffices(bound)
-        bound = min(bound, self.params.refine.log10_sure)
-        return evidence.suffices(bound, least_kappa=_SURE_KAPPA)
-
-    def _bound(self, refiner: Refiner) -> float:
-        """The chance that evidence must stay below, log10."""
-        bound = self.params.log10_false_alarm
-        return bound if refiner.attempts else max(bound, self.params.refine.log10_followed)
 
 
 def _keep(

@@ -20,8 +20,8 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Pad
 from padstudio.vision.cells.evidence import Evidence, judge
 from padstudio.vision.cells.layer_read import LayerRead
-from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.refiner import Refiner
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # Cells that agree so much better than by chance leave no room for another place.

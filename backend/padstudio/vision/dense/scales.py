@@ -18,8 +18,8 @@ from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.cells.evidence import judge
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.cells.mixture import Mixture, find_mixture
-from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.refiner import Refiner
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # A layer is told from another one by cells that only it has, where chance is below this.

@@ -13,8 +13,8 @@ from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import lattice_mm
 from padstudio.pad.spec import Pad
-from padstudio.vision.pose.refiner import Refiner
-from padstudio.vision.pose.results import LayerFit, RefinedPose
+from padstudio.vision.refine.refiner import Refiner
+from padstudio.vision.refine.results import LayerFit, RefinedPose
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.search import Sighting
 

@@ -19,9 +19,9 @@ from padstudio.pad.spec import Pad
 from padstudio.vision.cells.layer_read import LayerRead, read_layer
 from padstudio.vision.frame.regions import Region, sharper
 from padstudio.vision.outline.quadrilateral import Outline, another_sign, find_outline
-from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
-from padstudio.vision.pose.refiner import Refiner
+from padstudio.vision.pose.pattern.image_alignment import Match
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.stage.trace import Reason, StageFailure
 
 # With the sign's own outline there are four places to choose from instead of thousands, so cells

@@ -81,9 +81,8 @@ class YuvPyramid(Pyramid):
         if channel == "green":
             return super().values_at(channel, xy)
         gain, black, weight = self._mixture(channel)
-        half = xy // 2
         bright = self._frame.y[xy[:, 1], xy[:, 0]].astype(np.float32)
-        colour = self._half(_COLOURS[channel], 0)[half[:, 1], half[:, 0]].astype(np.float32)
+        colour = _between(self._half(_COLOURS[channel], 0), xy, -(-self.width // 2))
         return np.asarray(gain * bright + weight * colour + black, np.float32)
 
     def _mixture(self, channel: Channel) -> tuple[float, float, float]:
@@ -105,3 +104,14 @@ class YuvPyramid(Pyramid):
                 break
             made.append(pixels_kernel.halved(made[-1], width))
         return made[times]
+
+
+def _between(colours: Image, xy: NDArray[np.intp], width: int) -> NDArray[np.float32]:
+    """Colours (N,) at pixels (N, 2) of the frame: each lies between four, half a pixel beside the
+    nearest one."""
+    last = np.array([width, len(colours)]) - 1
+    near = np.minimum(xy // 2, last)
+    (x, y), (beside, below) = near.T, np.clip(near + 2 * (xy % 2) - 1, 0, last).T
+    nine = colours[y, x] * np.float32(9)
+    threes = colours[y, beside] * np.float32(3) + colours[below, x] * np.float32(3)
+    return np.asarray((nine + threes + colours[below, beside]) / np.float32(16))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import chain, repeat
 
 from padstudio.vision.fusion.by_pad import by_pad
-from padstudio.vision.fusion.measurement import Measurement
+from padstudio.vision.fusion.measurement import Fused, Measurement
 from padstudio.vision.fusion.pose_filter import PoseFilter
 from padstudio.vision.fusion.smoother import fuse
 from padstudio.vision.stage.detection import Detection, Estimate, SinglePose, Uncertainty
@@ -35,19 +35,25 @@ def fused_detections(
     timed = zip(detections, filled_times(given), strict=False)
     estimate: Estimate = "smoothed" if smooth else "filtered"
     runs = by_pad(timed, lambda item: item[0].pad_id)
-    fused_runs = (fuse(run, _measure, PoseFilter(), smooth=smooth) for run in runs)
+    fused_runs = (
+        fuse(run, lambda item: measured(*item), PoseFilter(), smooth=smooth) for run in runs
+    )
     for (detection, _), fused in chain.from_iterable(fused_runs):
-        single, sigma = detection.pose, detection.uncertainty
-        if fused is None or single is None or sigma is None:
-            yield detection
-            continue
-        yield replace(
-            detection,
-            pose=fused.pose,
-            uncertainty=Uncertainty.of(fused.pose, fused.covariance),
-            estimate=estimate,
-            single=SinglePose(single, sigma, fused.is_outlier),
-        )
+        yield with_fused(detection, fused, estimate)
+
+
+def with_fused(detection: Detection, fused: Fused | None, estimate: Estimate) -> Detection:
+    """A detection with its fused pose, where it has one; its own stays beside it."""
+    single, sigma = detection.pose, detection.uncertainty
+    if fused is None or single is None or sigma is None:
+        return detection
+    return replace(
+        detection,
+        pose=fused.pose,
+        uncertainty=Uncertainty.of(fused.pose, fused.covariance),
+        estimate=estimate,
+        single=SinglePose(single, sigma, fused.is_outlier),
+    )
 
 
 def filled_times(times_s: Iterable[float | None]) -> Iterator[float]:
@@ -58,8 +64,8 @@ def filled_times(times_s: Iterable[float | None]) -> Iterator[float]:
         yield last
 
 
-def _measure(timed: tuple[Detection, float]) -> Measurement | None:
-    detection, time_s = timed
+def measured(detection: Detection, time_s: float) -> Measurement | None:
+    """What a filter takes of a frame's own pose; None where there is none."""
     if detection.pose is None or detection.uncertainty is None:
         return None
     return Measurement(time_s, detection.pose, detection.uncertainty.covariance)

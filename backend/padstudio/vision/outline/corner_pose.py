@@ -17,42 +17,61 @@ def corner_residuals(pose: Pose, camera: Camera, points_mm: Array, xy: Array) ->
     return xy - camera.project(pose.to_camera(points_mm))
 
 
-def corner_sigma_px(residuals: Array, known_px: float) -> float:
-    """Standard deviation of a corner's coordinate, pixels.
+def corner_covariance(
+    pose: Pose, camera: Camera, points_mm: Array, xy: Array, scatter: Array
+) -> Array:
+    """Covariance of a polished pose from corners whose scatter is known.
 
-    The larger of what is known of the lines and what the residuals of a pose from N corners show:
-    motion during the exposure bends a square though each of its sides is sharp.
+    The corners are moved either way along the scatter's principal axes and the pose found again:
+    seen from straight above, tilt bends so strongly that a derivative would promise too much.
+    Where the corners are farther off the pose than their scatter explains, it is taken to be
+    larger: motion during the exposure bends a square though each of its sides is sharp.
 
     Parameters
     ----------
-    residuals : (N, 2) float64
-        Pixels.
-    known_px : float
-    """
-    freedom = residuals.size - 6
-    return max(known_px, float(np.sqrt((residuals**2).sum() / max(freedom, 1))))
-
-
-def corner_covariance(
-    pose: Pose, camera: Camera, points_mm: Array, xy: Array, sigma_px: float
-) -> Array:
-    """Covariance of a polished pose from corners that are independently off by `sigma_px`.
-
-    Each coordinate is moved either way by its standard deviation and the pose found again: seen
-    from straight above, tilt bends so strongly that a derivative would promise too much.
+    pose : Pose
+    camera : Camera
+    points_mm : (N, 3) float64
+    xy : (N, 2) float64
+        Where they are seen, pixels.
+    scatter : (2 N, 2 N) float64
+        Covariance of `xy`, x and y of one corner after the other.
 
     Returns
     -------
     (6, 6) float64
         Centre (mm, pad frame), then attitude (radians, about the camera's axes).
     """
-    start = least_squares(points_mm, camera.normalize(xy), pose)[1]
-    covariance = np.zeros((6, 6))
-    for move in sigma_px * np.concatenate([np.eye(xy.size), -np.eye(xy.size)]):
-        moved = least_squares(points_mm, camera.normalize(xy + move.reshape(xy.shape)), start)[1]
-        off = start.step_to(moved)
-        covariance += np.outer(off, off) / 2
-    return covariance
+    values, axes = np.linalg.eigh(scatter)
+    moves = (axes * np.sqrt(np.maximum(values, 0.0))).T
+    rays = camera.normalize(xy)
+    start = least_squares(points_mm, rays, pose)[1]
+    covariance, expected = _spread(start, camera, points_mm, xy, moves)
+    excess = float((_off(start, points_mm, rays) ** 2).sum()) / max(expected, 1e-30)
+    if not excess > 1:
+        return covariance
+    return _spread(start, camera, points_mm, xy, moves * np.sqrt(excess))[0]
+
+
+def _spread(
+    start: Pose, camera: Camera, points_mm: Array, xy: Array, moves: Array
+) -> tuple[Array, float]:
+    """A pose's covariance from moves (M, 2 N) of its corners; the squares left unexplained."""
+    at_rest = _off(start, points_mm, camera.normalize(xy))
+    there = xy + np.concatenate([moves, -moves]).reshape(-1, *xy.shape)
+    covariance, unexplained = np.zeros((6, 6)), 0.0
+    for rays in camera.normalize(there.reshape(-1, 2)).reshape(there.shape):
+        moved = least_squares(points_mm, rays, start)[1]
+        step = start.step_to(moved)
+        covariance += np.outer(step, step) / 2
+        unexplained += float(((_off(moved, points_mm, rays) - at_rest) ** 2).sum()) / 2
+    return covariance, unexplained
+
+
+def _off(pose: Pose, points_mm: Array, rays: Array) -> Array:
+    """How far rays (N, 2) are from where a pose has its points, on the plane z = 1."""
+    at = pose.to_camera(points_mm)
+    return np.asarray(rays - at[:, :2] / at[:, 2:], float)
 
 
 def unsure(

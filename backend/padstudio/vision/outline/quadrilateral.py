@@ -26,7 +26,6 @@ from padstudio.vision.frame.regions import Region, unused_channels
 from padstudio.vision.outline.corner_pose import (
     corner_covariance,
     corner_residuals,
-    corner_sigma_px,
 )
 from padstudio.vision.outline.sides import Side, SideView, fit_side
 from padstudio.vision.stage.params import OutlineParams
@@ -137,7 +136,8 @@ def find_outline(
     sides: list[Side] = []
     for level in range(region.level, min(finest, region.level) - 1, -1):
         reach = (_FIRST_REACH if level == region.level else _NEXT_REACH) * (1 << level)
-        view = SideView(pyramid, camera, level, unused_channels(pad), params.most_profiles)
+        is_last = level == min(finest, region.level)
+        view = SideView(pyramid, camera, level, unused_channels(pad), params.most_profiles, is_last)
         fitted = [fit_side(view, corners[[k, (k + 1) % 4]], reach) for k in range(4)]
         sides = [side for side in fitted if side is not None]
         if len(sides) < 4:
@@ -182,8 +182,8 @@ def outline_pose(
         return another_sign(read)
     residuals = corner_residuals(pose, camera, points_mm, outline.corners_xy)
     rms = float(np.sqrt(np.mean(np.sum(residuals**2, axis=1))))
-    sigma_px = corner_sigma_px(residuals, outline.sigma_px)
-    covariance = corner_covariance(pose, camera, points_mm, outline.corners_xy, sigma_px)
+    scatter = outline.sigma_px**2 * np.eye(8)
+    covariance = corner_covariance(pose, camera, points_mm, outline.corners_xy, scatter)
     return OutlinePose(pose, outline, read, camera, points_mm, rms, covariance)
 
 

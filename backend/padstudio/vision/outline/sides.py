@@ -22,6 +22,8 @@ _LEAST_POINTS = 8
 # The inside and the outside must differ by this many of their own scatter. Double loses one of 76
 # stills of the footage; half changes nothing.
 _LEAST_CONTRAST = 1.5
+# So much is enough, even where another measure has more.
+_AMPLE_CONTRAST = 4.0
 # Added to the sum of channels, so that noise in the dark does not look like colour.
 _DARK = 2.0
 # Light, 0 … 255, of the grey values of a frame.
@@ -63,6 +65,8 @@ class SideView(NamedTuple):
         As of `padstudio.vision.frame.regions.unused_channels`.
     most_profiles : int
         At the most so many are taken.
+    is_last : bool
+        No finer level follows: the step must be unbiased, not just be found.
     """
 
     pyramid: Pyramid
@@ -70,6 +74,7 @@ class SideView(NamedTuple):
     level: int
     unused: list[int]
     most_profiles: int
+    is_last: bool = True
 
 
 def fit_side(view: SideView, ends: Array, reach_px: float) -> Side | None:
@@ -100,7 +105,7 @@ def fit_side(view: SideView, ends: Array, reach_px: float) -> Side | None:
     count = int(np.clip(length / (1 << view.level), _LEAST_POINTS, view.most_profiles))
     feet, outward = _feet(view.camera, ends, count)
     at = feet[:, None] + (reach_px * _STEPS)[None, :, None] * outward[:, None]
-    values = _clearest(_sample(view.pyramid, view.level, at), view.unused)
+    values = _clearest(_sample(view.pyramid, view.level, at), view)
     if values is None:
         return None
     shift, good = _half_way(values)
@@ -132,20 +137,45 @@ def _sample(pyramid: Pyramid, level: int, at: Array) -> Array:
     return np.asarray(_LIGHT[colors], float)
 
 
-def _clearest(colors: Array, unused: list[int]) -> Array | None:
+def _clearest(colors: Array, view: SideView) -> Array | None:
     """Profiles (N, S) of the measure with the clearest step outward, rising."""
-    bright = colors[..., unused].mean(axis=2)
-    share = bright / (colors.mean(axis=2) + _DARK / 3)
+    bright = np.asarray(colors[..., view.unused].mean(axis=2), float)
+    light = np.asarray(colors.mean(axis=2) + _DARK / 3, float)
+    share = bright / light
+    by_light, by_share = _contrast(bright), _contrast(share)
+    if max(by_light, by_share) <= _LEAST_CONTRAST:
+        return None
+    if not view.is_last:
+        return bright if by_light >= by_share else share
+    # Light adds up by area, and codecs keep it sharper than colour.
+    return bright if by_light >= min(by_share, _AMPLE_CONTRAST) else _by_area(share, light)
+
+
+def _contrast(values: Array) -> float:
+    """The step of profiles (N, S) in units of what scatters on either side of it."""
+    inside, outside = _ends(values)
+    spread = np.sqrt((inside.var() + outside.var()) / 2) + 1e-6
+    return float((outside.mean() - inside.mean()) / spread)
+
+
+def _by_area(share: Array, light: Array) -> Array:
+    """Shares that samples would have if their parts' shares weighed by area.
+
+    A mixture's share is the mean of its parts' shares weighted by their light: where the ground is
+    darker than the pad, a sample that is half of either has less than half way's.
+    """
+    (pad, ground), (pad_light, ground_light) = _ends(share), _ends(light)
+    out, into = pad_light * (share - pad), ground_light * (ground - share)
+    rise, total = ground - pad, out + into
+    is_between = rise * total > 0
+    return pad + rise * np.where(is_between, out / np.where(is_between, total, 1.0), 0.0)
+
+
+def _ends(values: Array) -> tuple[Array, Array]:
+    """Means (N, 1) of the inner and of the outer quarter of profiles (N, S)."""
     quarter = len(_STEPS) // 4
-    best: tuple[float, Array] | None = None
-    for values in (bright, share):
-        inside, outside = values[:, :quarter].mean(axis=1), values[:, -quarter:].mean(axis=1)
-        spread = np.sqrt((inside.var() + outside.var()) / 2) + 1e-6
-        contrast = float((outside.mean() - inside.mean()) / spread)
-        if best is None or contrast > best[0]:
-            best = (contrast, values)
-    assert best is not None
-    return best[1] if best[0] > _LEAST_CONTRAST else None
+    inside, outside = values[:, :quarter], values[:, -quarter:]
+    return inside.mean(axis=1, keepdims=True), outside.mean(axis=1, keepdims=True)
 
 
 def _half_way(values: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -154,9 +184,7 @@ def _half_way(values: Array) -> tuple[Array, NDArray[np.bool_]]:
     The area under the rising part tells the place better than a crossing does: it uses every
     sample, and noise averages out.
     """
-    quarter = len(_STEPS) // 4
-    low = values[:, :quarter].mean(axis=1, keepdims=True)
-    high = values[:, -quarter:].mean(axis=1, keepdims=True)
+    low, high = _ends(values)
     rise = high - low
     typical = float(np.median(rise))
     good = (rise[:, 0] > 0.4 * typical) & (rise[:, 0] < 2.5 * typical)

@@ -12,7 +12,7 @@ from padstudio.geometry.pose import Pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.cells.sampling import CellGrid
 from padstudio.vision.dense.answer import uncertainty_of
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.stage.detection import Uncertainty
 

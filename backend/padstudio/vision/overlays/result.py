@@ -12,7 +12,7 @@ from padstudio.vision.dense.answer import Choice
 from padstudio.vision.dense.whole_pad import WholeSign
 from padstudio.vision.overlays import baseline
 from padstudio.vision.overlays.canvas import MAX_WIDTH, Canvas, fit
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import Trace
 

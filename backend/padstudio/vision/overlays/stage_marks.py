@@ -21,7 +21,7 @@ from padstudio.vision.outline.quadrilateral import Outline, OutlinePose
 from padstudio.vision.overlays.lattice_lines import family_lines, lattice_lines
 from padstudio.vision.overlays.marks import Line, LineKind, Marker, Marks
 from padstudio.vision.overlays.stages import shown_output
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies
 from padstudio.vision.stage.trace import Trace

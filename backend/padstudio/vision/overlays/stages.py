@@ -20,7 +20,7 @@ from padstudio.vision.frame.prepare import Denoise, Stretch, Unmixed, denoised
 from padstudio.vision.frame.pyramid import BGR_INDEX, Plane
 from padstudio.vision.overlays import baseline
 from padstudio.vision.overlays import canvas as drawing
-from padstudio.vision.pose.results import RefinedPose
+from padstudio.vision.refine.results import RefinedPose
 from padstudio.vision.search.edges import Steps
 from padstudio.vision.search.lattice import Lattice
 from padstudio.vision.search.line_spacing import LineFamilies

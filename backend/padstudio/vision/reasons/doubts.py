@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.pose.edge_points import EdgePoints, find_edge_points
-from padstudio.vision.pose.refiner import Refiner
 from padstudio.vision.reasons.clues import Clues
 from padstudio.vision.reasons.distortions import CHANGES, Explanation, explanations
 from padstudio.vision.reasons.failed import GREY, MOST_ALIKE, crosstalk, monochrome
 from padstudio.vision.reasons.other_cameras import wrong_camera
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import Finding, Reason
 

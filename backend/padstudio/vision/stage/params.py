@@ -206,6 +206,12 @@ class RefineParams(Group):
         "open, so that a frame is as sure as its borders; wrong for a camera that moves.",
         _dense("pose", "outline"),
     )
+    bend: bool = switch(
+        True,
+        "In a still, ask whether the paper is bent or its sheets lie off their places, and fit "
+        "that with the pose; off takes it for flat, and saves up to a second where it is not.",
+        _dense("pose"),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

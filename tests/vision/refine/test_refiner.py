@@ -23,7 +23,7 @@ from padstudio.vision.dense.answer import Choice, choose
 from padstudio.vision.dense.whole_pad import WholeSign, find_whole_sign
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.regions import find_regions
-from padstudio.vision.pose.refiner import Refiner
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.search.looks import Search
 from padstudio.vision.search.search import Sighting, place, sightings
 from padstudio.vision.stage.trace import Reason, StageFailure

@@ -7,8 +7,8 @@ import pytest
 from dense_frames import random_pose, seen_by
 
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.vision.pose import alignment_kernel
-from padstudio.vision.pose.alignment_kernel import Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern import alignment_kernel
+from padstudio.vision.pose.pattern.alignment_kernel import Brightness, Pixels, Texture
 
 
 def moving_pose(seed):
@@ -43,7 +43,8 @@ def test_blurred_cells_are_cells_through_a_gaussian():
     rng = np.random.default_rng(2)
     cells = rng.integers(0, 2, (12, 3)).astype(np.float32)
     fine = np.repeat(cells, 700, axis=0)
-    found = alignment_kernel.blurred_cells(cells, 7.0, 1.6, 84)
+    found = np.zeros((84, 3), np.float32)
+    alignment_kernel.blurred_cells(cells, 7.0, 1.6, found)
     at = (np.arange(len(fine)) + 0.5) / 100
     for y in (10, 30, 41, 70):
         weight = np.exp(-((at - y - 0.5) ** 2) / (2 * 1.6**2)) / (1.6 * math.sqrt(2 * math.pi))

@@ -13,8 +13,9 @@ from padstudio.simulate.render import render
 from padstudio.simulate.sensor import Imaging
 from padstudio.simulate.vibration import Vibration
 from padstudio.vision.frame.pyramid import Pyramid
-from padstudio.vision.pose.image_alignment import Match, _stretch
 from padstudio.vision.pose.least_squares import MOVING, STILL
+from padstudio.vision.pose.pattern.image_alignment import Match
+from padstudio.vision.pose.pattern.solver import stretched
 
 CAMERA = small_camera()
 
@@ -128,7 +129,7 @@ def test_steps_that_go_a_part_of_the_way_are_lengthened_by_what_they_leave():
     # Steps that leave 40 % are to be 1/0.6 times as long, however long the last one was made.
     for before in (1.0, 1.5):
         left = 1 - 0.6 * before
-        found = _stretch(before, float(step @ normal @ (left * step)), step, normal)
+        found = stretched(before, float(step @ normal @ (left * step)), step, normal)
         assert found == pytest.approx(1 / 0.6)
-    assert _stretch(1.0, -5.0, step, normal) == 1.0
-    assert _stretch(1.0, float(step @ normal @ step), step, normal) == 2.5
+    assert stretched(1.0, -5.0, step, normal) == 1.0
+    assert stretched(1.0, float(step @ normal @ step), step, normal) == 2.5

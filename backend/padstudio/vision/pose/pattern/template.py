@@ -6,6 +6,7 @@ import math
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
@@ -14,8 +15,8 @@ from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Box, Pyramid
-from padstudio.vision.pose.alignment_kernel import Pixels, Texture, blurred_cells
 from padstudio.vision.pose.covariance import tiles_of
+from padstudio.vision.pose.pattern.alignment_kernel import Pixels, Texture, blurred_cells
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
 # latter.
@@ -36,9 +37,7 @@ def pixels_of(
     box = _outline_box(camera, pad, pose)
     if box is None:
         return None
-    stride = max(1, int(np.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / most)))
-    x, y = np.meshgrid(np.arange(box.x0, box.x1, stride), np.arange(box.y0, box.y1, stride))
-    xy = np.stack([x.ravel(), y.ravel()], axis=1)
+    xy = _spread(box, max(1, int(np.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / most))))
     rays = np.column_stack([camera.normalize(xy), np.ones(len(xy))])
     points = on_pad(pose.pose, rays)
     width, height = pad.size_mm
@@ -57,6 +56,20 @@ def pixels_of(
     return Pixels(rays, row_time, shade, tiles_of(xy.astype(float)), values)
 
 
+def _spread(box: Box, stride: int) -> NDArray[np.intp]:
+    """Every so manieth pixel (N, 2) of a box along both axes, by rows.
+
+    Even and odd columns and rows alike: colours are often the same for two by two pixels, and of
+    those on one side alone would be off by half a pixel.
+    """
+    x, y = np.meshgrid(np.arange(box.x0, box.x1, stride), np.arange(box.y0, box.y1, stride))
+    if stride % 2 == 0:
+        row = np.arange(len(y))[:, None]
+        x, y = x + row // 2 % 2, y + row % 2
+    xy = np.stack([x.ravel(), y.ravel()], axis=1)
+    return xy[(xy < [box.x1, box.y1]).all(axis=1)]
+
+
 def _outline_box(camera: Camera, pad: Pad, pose: MovingPose) -> Box | None:
     corners = pose.project(camera, outline_mm(pad))
     if not np.isfinite(corners).all():
@@ -73,22 +86,24 @@ def texture_of(pad: Pad, px_per_mm: float) -> Texture:
     return _texture(pad, round(_SCALES * math.log2(px_per_mm)))
 
 
-@lru_cache(maxsize=4)
+# A pad that is followed needs one, and the next as it comes nearer; each takes megabytes.
+@lru_cache(maxsize=2)
 def _texture(pad: Pad, scale: int) -> Texture:
     width, height = pad.size_mm
     per_mm = 2.0 ** (scale / _SCALES) * OVERSAMPLING
     w, h = max(8, round(width * per_mm)), max(8, round(height * per_mm))
     mm = (width / w, height / h)
     sigma = _BLUR_PX * OVERSAMPLING
-    layers = []
-    for layer in pad.layers:
+    # Memory of this size costs more to touch first than the drawing does: it is touched once.
+    layers = np.zeros((len(pad.layers), h, w), np.float32)
+    for layer, drawn in zip(pad.layers, layers, strict=True):
         cells = layer.field.astype(np.float32) / np.float32(pad.levels - 1)
         cell_px = [layer.cell_mm * pad.scale[k] / mm[k] for k in range(2)]
-        wide = blurred_cells(np.ascontiguousarray(cells.T), cell_px[0], sigma, w)
-        wide = np.ascontiguousarray(wide.T)
-        layers.append(blurred_cells(wide, cell_px[1], sigma, h))
+        wide = np.zeros((w, layer.rows), np.float32)
+        blurred_cells(np.ascontiguousarray(cells.T), cell_px[0], sigma, wide)
+        blurred_cells(np.ascontiguousarray(wide.T), cell_px[1], sigma, drawn)
     place = [width / 2 / mm[0] - 0.5, 1 / mm[0], height / 2 / mm[1] - 0.5, -1 / mm[1]]
-    return Texture(np.stack(layers), np.array(place))
+    return Texture(layers, np.array(place))
 
 
 def on_pad(pose: Pose, rays: Array) -> Array:

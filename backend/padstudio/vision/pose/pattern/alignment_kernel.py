@@ -142,13 +142,12 @@ class Block(NamedTuple):
 
 @fast_jit
 def blurred_cells(
-    cells: NDArray[np.float32], cell_px: float, sigma_px: float, length: int
-) -> NDArray[np.float32]:
-    """Rows of cells (n, w) drawn ``cell_px`` high and blurred by a Gaussian, (length, w)."""
+    cells: NDArray[np.float32], cell_px: float, sigma_px: float, out: NDArray[np.float32]
+) -> None:
+    """Rows of cells (n, w) drawn ``cell_px`` high and blurred by a Gaussian, added to (h, w)."""
     n, w = cells.shape
-    out = np.zeros((length, w), np.float32)
     bend = 1 / (sigma_px * math.sqrt(2.0))
-    for y in range(length):
+    for y in range(len(out)):
         # Four standard deviations hold all but a ten-thousandth of the light.
         first = max(0, int((y + 0.5 - 4 * sigma_px) / cell_px))
         last = min(n, int((y + 0.5 + 4 * sigma_px) / cell_px) + 1)
@@ -157,7 +156,6 @@ def blurred_cells(
             share = np.float32(0.5 * (math.erf(lower * bend) - math.erf(upper * bend)))
             for x in range(w):
                 out[y, x] += share * cells[k, x]
-    return out
 
 
 @fast_inlined_jit

@@ -10,8 +10,8 @@ from padstudio.pad.spec import Layer
 from padstudio.vision.cells.layer_read import LayerRead
 from padstudio.vision.pose.edge_points import EdgePoints
 from padstudio.vision.pose.edge_points_kernel import Borders
-from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import Fit
+from padstudio.vision.pose.pattern.image_alignment import Match
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,9 +24,9 @@ from padstudio.vision.pose.edge_points import (
     measurable_borders,
 )
 from padstudio.vision.pose.edge_points_kernel import Borders
-from padstudio.vision.pose.image_alignment import Match
 from padstudio.vision.pose.least_squares import STILL, Fit, MotionModel, better_of, fit_pose
-from padstudio.vision.pose.results import LayerFit, RefinedPose
+from padstudio.vision.pose.pattern.image_alignment import Match
+from padstudio.vision.refine.results import LayerFit, RefinedPose
 from padstudio.vision.stage.params import DetectorParams, RefineParams
 
 # What these constants were chosen by: halved or doubled they left 76 of 76 stills of the footage
@@ -82,6 +82,15 @@ class Refiner:
         return min(refine.most_borders, refine.followed_borders)
 
     @property
+    def _rounds(self) -> int:
+        """So often few borders are measured, each time nearer to where they are, at the most.
+
+        A pose that motion led to may be off by half a cell of a coarse layer; what a lattice led to
+        is nearer.
+        """
+        return 2 if self.attempts else 6
+
+    @property
     def _rolling(self) -> bool:
         """True where the pose may change while the frame is read."""
         refine = self.params.refine
@@ -109,7 +118,11 @@ class Refiner:
         for layer in sorted(self.pad.layers, key=lambda item: -item.cell_mm):
             readable = self.readable(layer, pose)
             if readable is not None:
-                layer_fits.append(self._prefit(readable, 2 if layer.cell_mm <= good_mm else 0))
+                rounds = self._rounds if layer.cell_mm <= good_mm else 0
+                if layer_fits and not self.attempts and self.is_far(readable):
+                    # The pattern is matched as a whole, for which a coarser layer is near enough.
+                    rounds = 0
+                layer_fits.append(self._prefit(readable, rounds))
                 pose = layer_fits[-1].pose
         return layer_fits
 

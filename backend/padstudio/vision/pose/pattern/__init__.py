@@ -1,0 +1,1 @@
+"""The pose of a far pad, by its whole pattern at once. `image_alignment` is where to begin."""

@@ -1,0 +1,1 @@
+"""From a first pose to the best one: by borders of cells, or from afar by the whole pattern."""
