@@ -8,15 +8,15 @@ from typing import Literal
 
 from padstudio.errors import StudioError
 
-Kind = Literal["video", "recording", "still", "stills", "telemetry"]
+Kind = Literal["video", "recording", "still", "stills", "telemetry", "live"]
 
 #: Bytes that `identify` wants to see; a shorter file is enough as it is.
 HEAD_BYTES = 4096
 
 READABLE = (
     "send a video (MP4, MOV, MKV, AVI, WebM, MPEG-TS, M2TS), a recording (ROS bag, MCAP), a still "
-    "(JPEG, PNG, WebP, TIFF, BMP), a zip of stills or of a ROS 2 bag, or telemetry: an SRT file, a "
-    "ULog, DataFlash or MAVLink log, a CSV of the vehicle's poses"
+    "(JPEG, PNG, WebP, TIFF, BMP), a zip of stills or of a ROS 2 bag, telemetry (an SRT file, a "
+    "ULog, DataFlash or MAVLink log, a CSV of the vehicle's poses), or what was recorded live"
 )
 
 
@@ -33,8 +33,9 @@ class Content:
 
     Attributes
     ----------
-    kind : {"video", "recording", "still", "stills", "telemetry"}
-        ``recording`` is of a robot, ``stills`` is a zip.
+    kind : {"video", "recording", "still", "stills", "telemetry", "live"}
+        ``recording`` is of a robot, ``stills`` is a zip, ``live`` what lies beside the videos of a
+        live session, or a zip of all of it.
     media_type : str
     suffix : str
         The usual ending of such files, with its dot.
@@ -69,6 +70,10 @@ ULOG = Content("telemetry", "application/x-ulog", ".ulg")
 DATAFLASH = Content("telemetry", "application/x-dataflash", ".bin")
 TLOG = Content("telemetry", "application/x-mavlink-tlog", ".tlog")
 VEHICLE_CSV = Content("telemetry", "text/csv", ".csv")
+LIVE_SESSION = Content("live", "application/json", ".json")
+LIVE_POSES = Content("live", "application/jsonl", ".jsonl")
+#: A zip of the folder of a live session's recording; `identify` takes all zips for stills.
+LIVE_ZIP = Content("live", "application/zip", ".zip")
 
 _STARTS = {
     b"\xff\xd8\xff": JPEG,
@@ -101,6 +106,11 @@ _BMP_HEADERS = (12, 40, 52, 56, 64, 108, 124)
 _SRT = re.compile(
     r"\s*(?:WEBVTT[^\r\n]*\s+)?(?:\d+\s*[\r\n]\s*)?"
     r"\d{1,2}:\d\d:\d\d[,.]\d{1,3}\s*-->\s*\d{1,2}:\d\d:\d\d[,.]\d{1,3}"
+)
+# What writers of such files begin them with.
+_LIVE = (
+    (re.compile(r'\s*\{\s*"format"\s*:\s*"padstudio\.live"'), LIVE_SESSION),
+    (re.compile(r'\{"source"\s*:\s*"[^"\\]*",\s*"frame"\s*:\s*\d'), LIVE_POSES),
 )
 # Bytes about the payload of a packet of MAVLink 1 and 2, each after a time of 8 bytes.
 _MAVLINK, _TIME_BYTES = {0xFE: 8, 0xFD: 12}, 8
@@ -196,6 +206,9 @@ def _by_text(head: bytes) -> Content | None:
     text = head.decode("utf-16" if is_wide else "utf-8-sig", "replace")
     if _SRT.match(text):
         return SRT
+    for begin, found in _LIVE:
+        if begin.match(text):
+            return found
     first = next((line for line in text.splitlines() if not line.startswith("#")), "")
     return VEHICLE_CSV if {name.strip() for name in first.split(",")} >= _TRACK else None
 

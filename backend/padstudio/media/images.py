@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image as PillowImage
 from PIL import UnidentifiedImageError
 
+from padstudio.bounded_files import read_whole
 from padstudio.errors import ImageError, LimitError
 from padstudio.media import content
 from padstudio.media.content import ContentError
@@ -55,13 +56,24 @@ class ImageHeader:
 
 def read(path: Path, max_pixels: int = MAX_PIXELS) -> NDArray[np.uint8]:
     """Decode a picture's file; returns and raises as `decode`."""
+    return decode(read_file(path), max_pixels)
+
+
+def read_file(path: Path) -> bytes:
+    """A picture's file.
+
+    Raises
+    ------
+    ImageError, LimitError
+        If it cannot be read, or is larger than any picture.
+    """
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise LimitError(f"{path.name} is larger than {MAX_BYTES // 1_000_000} MB")
-        data = path.read_bytes()
+        data = read_whole(path, MAX_BYTES)
     except OSError as error:
         raise ImageError(f"cannot read {path.name}: {error.strerror}") from error
-    return decode(data, max_pixels)
+    if len(data) > MAX_BYTES:
+        raise LimitError(f"{path.name} is larger than {MAX_BYTES // 1_000_000} MB")
+    return data
 
 
 def decode(data: bytes, max_pixels: int = MAX_PIXELS) -> NDArray[np.uint8]:

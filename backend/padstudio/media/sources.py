@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from padstudio.bounded_files import open_regular
 from padstudio.errors import NotFoundError
 from padstudio.media import content
 from padstudio.media.content import ContentError
@@ -58,6 +59,12 @@ def _expand(source: str) -> list[Path]:
         return [p for p in path.iterdir() if _is_wanted(p)]
     # A name that exists is that file, even if it looks like a pattern.
     if path.exists():
+        if not path.is_file():
+            raise NotFoundError(
+                f"{source} is no file but a device, a pipe or a socket; give a file, or read a "
+                "stream with padstudio live",
+                code="no_regular_file",
+            )
         return [path]
     return [p for p in map(Path, glob.glob(source, recursive=True)) if _is_wanted(p)]
 
@@ -77,7 +84,7 @@ def kind_of(path: Path) -> content.Kind:
     if is_bag(path):
         return "recording"
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return content.identify(file.read(content.HEAD_BYTES)).kind
     except (ContentError, OSError):
         suffix = path.suffix.lower()

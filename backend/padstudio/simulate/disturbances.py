@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.simulate.lay.relief import Fold, Lift, Relief, Wave
 from padstudio.simulate.lay.tiles import Tiles
 from padstudio.simulate.radiance.fog import Fog
@@ -122,9 +122,9 @@ def _parsed(words: Sequence[str]) -> dict[str, str]:
     for word in words:
         name, equals, value = word.strip().partition("=")
         if name not in WORDS:
-            raise SpecError(f"no disturbance {name!r}; choose of {', '.join(WORDS)}")
+            raise SpecError(f"no disturbance {shown(name)}; choose of {', '.join(WORDS)}")
         if not equals or not value:
-            raise SpecError(f"{word!r}: give {name}={WORDS[name].form}")
+            raise SpecError(f"{shown(word)}: give {name}={WORDS[name].form}")
         if name in given:
             raise SpecError(f"{name} is given twice")
         given[name] = value
@@ -161,7 +161,9 @@ def _imaging(given: Mapping[str, str], imaging: Imaging) -> Imaging:
         imaging = imaging.with_changes(readout_ms=_number(given, "readout"))
     if "sensor" in given:
         if given["sensor"] not in RESPONSES:
-            raise SpecError(f"no sensor {given['sensor']!r}; choose one of {', '.join(RESPONSES)}")
+            raise SpecError(
+                f"no sensor {shown(given['sensor'])}; choose one of {', '.join(RESPONSES)}"
+            )
         imaging = imaging.with_changes(response=RESPONSES[given["sensor"]])
     return imaging
 

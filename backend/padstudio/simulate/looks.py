@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.simulate.disturbances import disturb
 from padstudio.simulate.radiance.scene import Light, Occluder, Scene, Shadow
 from padstudio.simulate.sensor import Glare, Imaging
@@ -106,7 +106,7 @@ def dress(
         If there is no such look, or as `disturb`.
     """
     if look not in LOOKS:
-        raise SpecError(f"no look {look!r}; choose one of {', '.join(LOOKS)}")
+        raise SpecError(f"no look {shown(look)}; choose one of {', '.join(LOOKS)}")
     chosen = LOOKS[look]
     occluders = scene.occluders + _leaves(scene, chosen.leaves, seed)
     lit = replace(scene, light=chosen.light, occluders=occluders)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Image
 from padstudio.color import srgb_from_linear
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.simulate.response import Response
 
 Light = NDArray[np.float32]
@@ -98,7 +98,7 @@ class Imaging:
             if not low <= value <= high:
                 raise SpecError(f"{name} is {value}; it must lie within {low} … {high}")
         if self.tone not in ("srgb", "linear"):
-            raise SpecError(f"tone is {self.tone!r}; use srgb or linear")
+            raise SpecError(f"tone is {shown(self.tone)}; use srgb or linear")
         if self.jpeg_quality is not None and not 1 <= self.jpeg_quality <= 100:
             raise SpecError(f"jpeg_quality is {self.jpeg_quality}; it must lie within 1 … 100")
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from padstudio.arrays import Array, Image
-from padstudio.errors import LimitError, SpecError
+from padstudio.errors import LimitError, SpecError, shown
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose, look_at_pad, rotation_angle_deg
 from padstudio.pad.coverage.pinhole import View
@@ -58,7 +58,7 @@ class MapGrid:
 
     def __post_init__(self) -> None:
         if self.axis not in ("tilt_deg", "blur_px"):
-            raise SpecError(f"no axis {self.axis!r}; use tilt_deg or blur_px")
+            raise SpecError(f"no axis {shown(self.axis)}; use tilt_deg or blur_px")
         if self.frames > MAX_FRAMES:
             raise LimitError(
                 f"the map asks for {self.frames} frames; the limit is {MAX_FRAMES}, take fewer "

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from padstudio.errors import LimitError, SpecError
+from padstudio.errors import LimitError, SpecError, shown
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 from padstudio.simulate.motion import Motion, course
@@ -129,7 +129,9 @@ class FlightSpec:
 
     def __post_init__(self) -> None:
         if self.kind not in FLIGHT_KINDS:
-            raise SpecError(f"no flight {self.kind!r}; choose one of {', '.join(FLIGHT_KINDS)}")
+            raise SpecError(
+                f"no flight {shown(self.kind)}; choose one of {', '.join(FLIGHT_KINDS)}"
+            )
         if self.frames > MAX_FRAMES:
             raise LimitError(
                 f"{self.frames} frames are asked for at once; the limit is {MAX_FRAMES}, split the "

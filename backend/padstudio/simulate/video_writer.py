@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -73,7 +73,7 @@ class VideoWriter:
 
         check_size(width, height)
         if codec not in _ENCODERS:
-            raise SpecError(f"no codec {codec!r}; use {' or '.join(_ENCODERS)}")
+            raise SpecError(f"no codec {shown(codec)}; use {' or '.join(_ENCODERS)}")
         preset, usual = _SETTINGS[codec]
         quality = usual if quality is None else quality
         if not 0 <= quality <= 51:

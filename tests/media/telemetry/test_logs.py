@@ -55,6 +55,21 @@ def test_logs_say_what_was_flown(kind: str, tmp_path: Path) -> None:
         assert place == pytest.approx(FLOWN.place[::2], rel=0, abs=1e-3)
 
 
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("cut", [slice(None), slice(0, -7), slice(3, None)])
+def test_reading_a_log_prints_nothing(
+    kind: str, cut: slice, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Results may go to standard output."""
+    data = WRITERS[kind](FLOWN)
+    middle = len(data) // 2
+    path = tmp_path / "log"
+    path.write_bytes((data[:middle] + bytes(40) + data[middle:])[cut])
+    with contextlib.suppress(TelemetryError, SpecError):
+        reading.read(str(path))
+    assert capsys.readouterr() == ("", "")
+
+
 def test_written_logs_are_what_their_libraries_read(tmp_path: Path) -> None:
     from pymavlink import mavutil
     from pymavlink.DFReader import DFReader_binary

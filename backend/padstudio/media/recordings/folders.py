@@ -18,6 +18,7 @@ from typing import Any
 import yaml
 
 from padstudio.errors import LimitError, StorageError
+from padstudio.geometry.camera_files.parts import yaml_text
 from padstudio.media.content import ContentError
 from padstudio.media.recordings import bag1, mcap_file, sqlite_file
 from padstudio.media.recordings.bag1 import Bag1File
@@ -142,9 +143,9 @@ def _metadata(path: Path) -> dict[str, Any] | None:
     try:
         if path.stat().st_size > _MAX_METADATA_BYTES:
             return None
-        loaded = yaml.safe_load(path.read_bytes())
+        loaded = yaml_text.parse(path.read_bytes().decode())
         found = loaded["rosbag2_bagfile_information"]
-    except (OSError, yaml.YAMLError, KeyError, TypeError):
+    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError):
         return None
     return found if isinstance(found, dict) else None
 

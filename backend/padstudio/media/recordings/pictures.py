@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Image
-from padstudio.errors import ImageError, LimitError
+from padstudio.errors import ImageError, LimitError, shown
 from padstudio.media import images
 from padstudio.media.recordings.messages import RecordedPicture
 from padstudio.media.recordings.storage import RecordingError
@@ -64,7 +64,7 @@ def check_format(picture: RecordedPicture) -> None:
     """
     if picture.kind == "raw" and picture.format not in _ENCODINGS:
         raise RecordingError(
-            f"the pictures' encoding {picture.format!r} is not read; there are "
+            f"the pictures' encoding {shown(picture.format)} is not read; there are "
             f"{', '.join(ENCODINGS)}",
             code="unknown_encoding",
         )
@@ -72,8 +72,8 @@ def check_format(picture: RecordedPicture) -> None:
         told = picture.format.lower()
         if "compresseddepth" in told or told.startswith("bayer"):
             raise RecordingError(
-                f"compressed pictures of the format {picture.format!r} are not read: they are no "
-                "pictures in colours; record the raw topic, or one of rgb8 or bgr8",
+                f"compressed pictures of the format {shown(picture.format)} are not read: they are "
+                "no pictures in colours; record the raw topic, or one of rgb8 or bgr8",
                 code="unknown_encoding",
             )
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from padstudio.errors import CameraFormatError, SpecError
+from padstudio.errors import CameraFormatError, SpecError, shown
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.camera_files.parts.lenses import NOT_SAID
 from padstudio.media.recordings.folders import open_recording
@@ -133,7 +133,7 @@ def picture_channels(storage: Storage, topic: str | None) -> list[Channel]:
     chosen = [channel for channel in found if channel.topic == topic]
     if not chosen:
         raise RecordingError(
-            f"the recording holds no pictures on {topic!r}; topics with pictures are "
+            f"the recording holds no pictures on {shown(topic)}; topics with pictures are "
             f"{', '.join(topics)}",
             code="unknown_topic",
             detail=detail,

@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator
 from typing import IO
 
-from padstudio.errors import LimitError
+from padstudio.errors import LimitError, shown
 
 #: Begins Zstandard's frames (RFC 8878, 3.1.1); no serialised ROS 2 message begins so.
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
@@ -38,7 +38,7 @@ def unpack(data: bytes, compression: str, limit: int) -> bytes:
     if compression in ("", "none"):
         return data
     if compression not in _BLOCKS:
-        raise UnpackError(f"its compression {compression!r} is unknown")
+        raise UnpackError(f"its compression {shown(compression)} is unknown")
     out = bytearray()
     try:
         for block in _BLOCKS[compression](data):

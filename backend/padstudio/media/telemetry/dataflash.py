@@ -8,8 +8,10 @@ https://ardupilot.org/copter/docs/logmessages.html
 from __future__ import annotations
 
 import contextlib
+import os
 import tempfile
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -45,20 +47,42 @@ def parse(data: bytes) -> VehicleLog:
         path = Path(folder) / "log.bin"
         path.write_bytes(data)
         try:
-            rows = _rows(str(path))
+            with _unheard():
+                rows = _rows(str(path))
         except Exception as error:
             # A damaged file may bring any error to light in the library.
             raise TelemetryError(f"the DataFlash log is damaged: {error}") from error
     return _log(rows)
 
 
+@contextlib.contextmanager
+def _unheard() -> Iterator[None]:
+    """The library prints what it finds odd in a file; on standard output others expect results."""
+    with (
+        open(os.devnull, "w", encoding="utf-8") as nowhere,
+        contextlib.redirect_stdout(nowhere),
+        contextlib.redirect_stderr(nowhere),
+    ):
+        yield
+
+
 def _rows(path: str) -> dict[str, list[list[float]]]:
     """Time, s, and fields of each message of a kind."""
     from pymavlink.DFReader import DFReader_binary
 
+    class Advancing(DFReader_binary):  # type: ignore[misc]
+        """A reader that a message without a length does not keep at its place for ever."""
+
+        def _parse_next(self) -> Any:
+            before = self.offset
+            found = super()._parse_next()
+            if found is not None and self.offset <= before:
+                raise ValueError("a message has no length")
+            return found
+
     rows: dict[str, list[list[float]]] = defaultdict(list)
     # Made in two steps, as one that a damaged file brings down would leave the file open.
-    reader = DFReader_binary.__new__(DFReader_binary)
+    reader: Any = Advancing.__new__(Advancing)
     try:
         reader.__init__(path)
         while (message := reader.recv_match(type=list(_FIELDS))) is not None:

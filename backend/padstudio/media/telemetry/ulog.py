@@ -16,6 +16,8 @@ from padstudio.arrays import Array
 from padstudio.media.telemetry.columns import TelemetryError
 from padstudio.media.telemetry.vehicle_log import Series, VehicleLog
 
+# A file that was cut is read short a few times, one that leads the reader back without end.
+_MOST_SHORT_READS = 1000
 _TOPICS = ["vehicle_attitude", "vehicle_local_position", "vehicle_global_position"]
 
 
@@ -30,7 +32,7 @@ def parse(data: bytes) -> VehicleLog:
     from pyulog import ULog
 
     try:
-        log = ULog(io.BytesIO(data), _TOPICS)
+        log = ULog(_Ending(data), _TOPICS)
         # The first of several sensors of a kind is the one that is flown by.
         topics = {each.name: each.data for each in log.data_list if each.multi_id == 0}
         return _log(topics)
@@ -39,6 +41,23 @@ def parse(data: bytes) -> VehicleLog:
     except Exception as error:
         # A damaged file may bring any error to light in the library.
         raise TelemetryError(f"the ULog file is damaged: {error}") from error
+
+
+class _Ending(io.BytesIO):
+    """Bytes that are not asked for beyond their end for ever, as the library does of cut files."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__(data)
+        self._short = 0
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Raise `TelemetryError` where the end was met too often."""
+        found = super().read(size)
+        if size is not None and len(found) < size:
+            self._short += 1
+            if self._short > _MOST_SHORT_READS:
+                raise TelemetryError("the ULog file is damaged: it ends within a message")
+        return found
 
 
 def _log(topics: dict[str, dict[str, Any]]) -> VehicleLog:

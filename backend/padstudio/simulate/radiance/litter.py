@@ -11,7 +11,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.color import linear_from_srgb
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.simulate.radiance.litter_kernel import LitterShapes
 
 LitterKind = Literal["leaves", "snow", "mud"]
@@ -56,7 +56,9 @@ class Litter:
 
     def __post_init__(self) -> None:
         if self.kind not in LITTER_KINDS:
-            raise SpecError(f"no litter {self.kind!r}; choose one of {', '.join(LITTER_KINDS)}")
+            raise SpecError(
+                f"no litter {shown(self.kind)}; choose one of {', '.join(LITTER_KINDS)}"
+            )
         if not 0 <= self.share <= MOST_SHARE:
             raise SpecError(f"share is {self.share}; it must lie within 0 … {MOST_SHARE}")
         if self.size_mm is not None and not 1 <= self.size_mm <= 10_000:

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.geometry.pose import Pose, rotation_from_vector
 from padstudio.pad.layout import Layout
 from padstudio.pad.spec import Pad
@@ -176,7 +176,9 @@ class Scene:
 
     def __post_init__(self) -> None:
         if self.ground not in GROUND_KINDS:
-            raise SpecError(f"no ground {self.ground!r}; choose one of {', '.join(GROUND_KINDS)}")
+            raise SpecError(
+                f"no ground {shown(self.ground)}; choose one of {', '.join(GROUND_KINDS)}"
+            )
         if self.pad is not None and self.sheet is not None:
             raise SpecError("a scene has a pad or another sheet, not both")
         if self.quiet_mm is not None and not 0 <= self.quiet_mm <= 10_000:

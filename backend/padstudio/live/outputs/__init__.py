@@ -1,0 +1,1 @@
+"""Where poses go: autopilots, JSON lines, event streams."""

@@ -1,0 +1,1 @@
+"""Keeps a stream as it came, and the poses beside it."""

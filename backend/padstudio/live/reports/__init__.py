@@ -1,0 +1,1 @@
+"""What the parts of a live session hand each other."""

@@ -1,0 +1,1 @@
+"""Where frames come from: streams and devices, their newest frame at any time."""
