@@ -1,0 +1,1 @@
+"""Simulated experiments: what does a pad do, measured against a truth that is known?"""

@@ -1,0 +1,1 @@
+"""Experiments: orders, kinds, and what came of them."""
