@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from places import FOOTAGE
+from plain_texts import plain_texts
 
 from padstudio.errors import PadFormatError
 from padstudio.pad import files
@@ -28,7 +29,7 @@ def pads(draw):
         window=2,
         levels=levels,
         quiet_mm=draw(st.floats(0, 100)),
-        name=draw(st.text(max_size=200)),
+        name=draw(plain_texts(200)),
         seed=draw(st.none() | st.integers(0, 2**63)),
         method=draw(st.none() | st.just("growth")),
         unique=draw(st.sampled_from([None, "rotation", "plain"])),

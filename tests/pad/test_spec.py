@@ -41,7 +41,7 @@ def test_a_field_is_a_copy_that_cannot_be_changed():
         ({"channel": "magenta"}, "unknown channel 'magenta'; use red, green, blue"),
         ({"cell_mm": 0}, "cell_mm is 0"),
         ({"cell_mm": float("nan")}, "cell_mm is nan"),
-        ({"cell_mm": 10_001}, "at most 10000 mm"),
+        ({"cell_mm": 10_001}, "0.01 … 10000 mm"),
         ({"field": np.zeros(5)}, "rows and columns"),
         ({"field": np.zeros((0, 5))}, "rows and columns"),
         ({"field": np.zeros((4001, 5))}, "4001 x 5 cells; the limit is 4000 a side"),

@@ -19,7 +19,7 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.edge_points import find_edge_points
-from padstudio.vision.pose.refiner import Refiner
+from padstudio.vision.refine.refiner import Refiner
 from padstudio.vision.stage.params import DetectorParams, RefineParams
 
 # Sides of a patch: so many pixels, and no fewer cells.

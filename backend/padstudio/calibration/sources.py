@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Image
+from padstudio.bounded_files import open_regular
 from padstudio.calibration.calibrate import MOST_PICTURES, check_count
 from padstudio.errors import CalibrationError, LimitError, StudioError
 from padstudio.media import content, images, zip_stills
@@ -160,7 +161,7 @@ def _pictures_of(name: str, path: Path, max_pixels: int) -> Iterator[NamedPictur
 def _kind_of(path: Path) -> content.Kind:
     if is_bag(path):
         return "recording"
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         kind = content.identify(file.read(content.HEAD_BYTES)).kind
     if kind == "stills" and members_of(path, zip_stills.ZipLimits()):
         return "recording"

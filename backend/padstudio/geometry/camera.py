@@ -12,10 +12,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from padstudio import text
 from padstudio.arrays import Array
-from padstudio.errors import CameraFormatError, CameraMismatchError
+from padstudio.errors import CameraFormatError, CameraMismatchError, shown
 from padstudio.geometry import projection
 from padstudio.geometry.camera_files.parts.fields import Asked, CameraFields, LensModel, naming
+from padstudio.geometry.camera_files.parts.values import MAX_SIDE
 from padstudio.geometry.projection import Lens
 
 _COEFFICIENTS = {"radtan": (0, 4, 5, 8), "fisheye": (0, 4)}
@@ -24,6 +26,8 @@ _ASPECT_TOLERANCE = 2e-3
 # Rays are measured on up to 85 degrees from the axis: beyond, a pixel spans more of the plane z = 1
 # than all pixels within. A pixel whose ray leads back to within this of it, pixels, has that ray.
 _WIDEST, _SAME_PX = 11.43, 0.1
+# Far beyond what lenses are; coefficients of long ones have gone to some ten thousands.
+_LEAST_FOCAL_PX, _MOST_PX, _MOST_DISTORTION = 1e-3, 1e8, 1e8
 #: Reading a frame takes no longer than a slow frame rate's whole period.
 MAX_READOUT_MS = 1000.0
 
@@ -64,31 +68,44 @@ class Camera:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        matrix = np.array(self.matrix, float)
-        distortion = np.array(self.distortion, float).ravel()
-        if self.width < 1 or self.height < 1:
+        matrix, distortion = _numbers(self.matrix), _numbers(self.distortion).ravel()
+        if not (1 <= self.width <= MAX_SIDE and 1 <= self.height <= MAX_SIDE):
             raise CameraFormatError(
-                f"image size {self.width} x {self.height} is not positive; give the calibrated size"
+                f"image size {self.width} x {self.height} is not positive or beyond {MAX_SIDE}; "
+                "give the calibrated size"
             )
-        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-            raise CameraFormatError("the camera matrix must be 3 x 3 finite numbers")
-        if matrix[0, 0] <= 0 or matrix[1, 1] <= 0 or not np.allclose(matrix[2], (0, 0, 1)):
+        if matrix.shape != (3, 3) or not (np.abs(matrix) <= _MOST_PX).all():
             raise CameraFormatError(
-                "the camera matrix must have positive focal lengths and last row 0 0 1"
+                f"the camera matrix must be 3 x 3 finite numbers within ±{_MOST_PX:g} pixels"
+            )
+        if min(matrix[0, 0], matrix[1, 1]) < _LEAST_FOCAL_PX or not np.allclose(
+            matrix[2], (0, 0, 1)
+        ):
+            raise CameraFormatError(
+                "the camera matrix must have positive focal lengths, at least "
+                f"{_LEAST_FOCAL_PX:g} pixels, and last row 0 0 1"
             )
         if self.model not in _COEFFICIENTS:
-            raise CameraFormatError(f"unknown lens model {self.model!r}; use radtan or fisheye")
+            raise CameraFormatError(
+                f"unknown lens model {shown(self.model)}; use radtan or fisheye"
+            )
         if len(distortion) not in _COEFFICIENTS[self.model]:
             allowed = ", ".join(map(str, _COEFFICIENTS[self.model]))
             raise CameraFormatError(
                 f"{self.model} takes {allowed} distortion coefficients, not {len(distortion)}"
             )
-        if not np.isfinite(distortion).all():
-            raise CameraFormatError("the distortion coefficients must be finite numbers")
+        if not (np.abs(distortion) <= _MOST_DISTORTION).all():
+            raise CameraFormatError(
+                f"the distortion coefficients must be finite numbers within ±{_MOST_DISTORTION:g}"
+            )
         if self.readout_ms is not None and not 0 <= self.readout_ms <= MAX_READOUT_MS:
             raise CameraFormatError(
                 f"readout_ms is {self.readout_ms:g}; give 0 (global shutter) … {MAX_READOUT_MS:g}"
             )
+        try:
+            object.__setattr__(self, "name", text.plain(self.name))
+        except ValueError as error:
+            raise CameraFormatError(f"the camera's name: {error}") from error
         matrix.setflags(write=False)
         distortion.setflags(write=False)
         object.__setattr__(self, "matrix", matrix)
@@ -344,3 +361,10 @@ class Camera:
         points = np.asarray(points_camera, float).reshape(-1, 3)
         depth = np.where(points[:, 2:] > projection.NEAREST, points[:, 2:], np.nan)
         return self.denormalize(points[:, :2] / depth)
+
+
+def _numbers(values: ArrayLike) -> Array:
+    try:
+        return np.array(values, float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise CameraFormatError("a camera's matrix and coefficients must be numbers") from error

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.errors import PadFormatError
+from padstudio.bounded_files import read_whole
+from padstudio.errors import PadFormatError, shown
 
 FORMAT = "padstudio.pad"
 VERSION = 1
@@ -60,11 +61,12 @@ def read(path: Path) -> bytes:
         If it cannot be read, or is larger than any pad.
     """
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise PadFormatError(f"{path.name}: larger than {MAX_BYTES} bytes; no pad is")
-        return path.read_bytes()
+        data = read_whole(path, MAX_BYTES)
     except OSError as error:
         raise PadFormatError(f"cannot read {path.name}: {error.strerror}") from error
+    if len(data) > MAX_BYTES:
+        raise PadFormatError(f"{path.name}: larger than {MAX_BYTES} bytes; no pad is")
+    return data
 
 
 def parse(text: str | bytes) -> Any:
@@ -118,11 +120,11 @@ def from_dict(data: Any) -> PadFields:
         raise PadFormatError("the pad file must hold a JSON object")
     if data.get("format") != FORMAT:
         raise PadFormatError(
-            f"format is {data.get('format')!r}, not {FORMAT!r}: this is no pad file"
+            f"format is {shown(data.get('format'))}, not {FORMAT!r}: this is no pad file"
         )
     if data.get("version") != VERSION:
         raise PadFormatError(
-            f"version is {data.get('version')!r}; this program reads version {VERSION}"
+            f"version is {shown(data.get('version'))}; this program reads version {VERSION}"
         )
     layers = data.get("layers")
     if not isinstance(layers, list):
@@ -200,7 +202,7 @@ def _at(place: str, key: str) -> str:
 def _number(data: dict[str, Any], key: str, *, place: str = "", default: Any = None) -> float:
     value = data.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise PadFormatError(f"{_at(place, key)} is {value!r}; it must be a number")
+        raise PadFormatError(f"{_at(place, key)} is {shown(value)}; it must be a number")
     try:
         return float(value)
     except OverflowError as error:
@@ -210,14 +212,14 @@ def _number(data: dict[str, Any], key: str, *, place: str = "", default: Any = N
 def _integer(data: dict[str, Any], key: str) -> int:
     value = data.get(key)
     if isinstance(value, bool) or not isinstance(value, int):
-        raise PadFormatError(f"{key} is {value!r}; it must be a whole number")
+        raise PadFormatError(f"{key} is {shown(value)}; it must be a whole number")
     return value
 
 
 def _truth(data: dict[str, Any], key: str) -> bool:
     value = data.get(key, False)
     if not isinstance(value, bool):
-        raise PadFormatError(f"{key} is {value!r}; it must be true or false")
+        raise PadFormatError(f"{key} is {shown(value)}; it must be true or false")
     return value
 
 
@@ -241,7 +243,7 @@ def _optional_text(data: dict[str, Any], key: str) -> str | None:
 def _choice(data: dict[str, Any], key: str) -> Any:
     value, choices = data.get(key), _CHOICES[key]
     if value not in (None, *choices):
-        raise PadFormatError(f"{key} is {value!r}; it must be {' or '.join(choices)}")
+        raise PadFormatError(f"{key} is {shown(value)}; it must be {' or '.join(choices)}")
     return value
 
 
@@ -250,4 +252,7 @@ def _scale(data: dict[str, Any]) -> tuple[float, float]:
     pair = value if isinstance(value, list) else [value, value]
     if len(pair) != 2 or any(isinstance(v, bool) or not isinstance(v, int | float) for v in pair):
         raise PadFormatError("scale must be a number, or two: x and y")
-    return float(pair[0]), float(pair[1])
+    try:
+        return float(pair[0]), float(pair[1])
+    except OverflowError as error:
+        raise PadFormatError("scale is too large; it must lie within 0.5 … 2") from error

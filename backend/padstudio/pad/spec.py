@@ -11,8 +11,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from padstudio import text
 from padstudio.arrays import Array
-from padstudio.errors import PadFormatError
+from padstudio.errors import PadFormatError, shown
 from padstudio.pad import files
 from padstudio.pad.crosstalk import Matrix, check_matrix
 
@@ -27,6 +28,8 @@ MAX_LEVELS = 36
 MAX_WINDOW = 16
 # A side of a layer: 16 million cells, a pad file of 16 MB.
 MAX_CELLS = 4000
+#: Side of a cell: from less than a printer can place to more than any pad needs.
+MIN_CELL_MM, MAX_CELL_MM = 0.01, 10_000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +51,13 @@ class Layer:
 
     def __post_init__(self) -> None:
         if self.channel not in CHANNELS:
-            raise PadFormatError(f"unknown channel {self.channel!r}; use {', '.join(CHANNELS)}")
-        if not (np.isfinite(self.cell_mm) and 0 < self.cell_mm <= 10_000):
             raise PadFormatError(
-                f"{self.channel} layer: cell_mm is {self.cell_mm}; give a side above 0 and at most "
-                "10000 mm"
+                f"unknown channel {shown(self.channel)}; use {', '.join(CHANNELS)}"
+            )
+        if not MIN_CELL_MM <= self.cell_mm <= MAX_CELL_MM:
+            raise PadFormatError(
+                f"{self.channel} layer: cell_mm is {shown(self.cell_mm)}; give a side of "
+                f"{MIN_CELL_MM} … {MAX_CELL_MM:g} mm"
             )
         field = np.array(self.field, dtype=np.uint8, order="C")
         if field.ndim != 2 or not field.size:
@@ -142,17 +147,30 @@ class Pad:
         if len(set(channels)) != len(channels):
             raise PadFormatError("two layers share a channel; each channel holds one layer")
         if not 2 <= self.window <= MAX_WINDOW:
-            raise PadFormatError(f"window is {self.window}; it must be 2 … {MAX_WINDOW}")
+            raise PadFormatError(f"window is {shown(self.window)}; it must be 2 … {MAX_WINDOW}")
         if not 2 <= self.levels <= MAX_LEVELS:
-            raise PadFormatError(f"levels is {self.levels}; it must be 2 … {MAX_LEVELS}")
+            raise PadFormatError(f"levels is {shown(self.levels)}; it must be 2 … {MAX_LEVELS}")
+        for key, value, most in (("seed", self.seed, 10**30), ("distance", self.distance, 2**16)):
+            if value is not None and not 0 <= value <= most:
+                raise PadFormatError(f"{key} is {shown(value)}; it must be 0 … {most}")
         if not (np.isfinite(self.quiet_mm) and 0 <= self.quiet_mm <= 10_000):
-            raise PadFormatError(f"quiet_mm is {self.quiet_mm}; it must be 0 … 10000")
+            raise PadFormatError(f"quiet_mm is {shown(self.quiet_mm)}; it must be 0 … 10000")
         if not all(np.isfinite(s) and 0.5 <= s <= 2.0 for s in self.scale):
             raise PadFormatError(f"scale is {self.scale}; it must lie within 0.5 … 2 in x and y")
+        object.__setattr__(self, "name", self._plain("name", self.name))
+        if self.method is not None:
+            self._plain("method", self.method)
         if self.crosstalk is not None:
             object.__setattr__(self, "crosstalk", check_matrix(self.crosstalk))
         for layer in self.layers:
             self._check_layer(layer)
+
+    @staticmethod
+    def _plain(key: str, value: str) -> str:
+        try:
+            return text.plain(value)
+        except ValueError as error:
+            raise PadFormatError(f"{key}: {error}") from error
 
     def _check_layer(self, layer: Layer) -> None:
         if min(layer.field.shape) < self.window:
@@ -179,9 +197,9 @@ class Pad:
         return cls.loads(files.read(Path(path)))
 
     @classmethod
-    def loads(cls, text: str | bytes) -> Pad:
+    def loads(cls, content: str | bytes) -> Pad:
         """The pad in the text of a pad file; raises as `load`."""
-        return cls.from_dict(files.parse(text))
+        return cls.from_dict(files.parse(content))
 
     @classmethod
     def from_dict(cls, data: Any) -> Pad:

@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO, Literal, get_args
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.pad.spec import Channel, Pad
 from padstudio.render.painters.options import PrintOptions
 
@@ -60,7 +60,7 @@ def make(
     """
     options = options or PrintOptions()
     if form not in FORMS:
-        raise SpecError(f"{form!r} is no form of a pad; use {', '.join(FORMS)}")
+        raise SpecError(f"{shown(form)} is no form of a pad; use {', '.join(FORMS)}")
     suffix: str = "pdf" if form == "strip" else form
     if form == "csv" or form == "npy":
         write, suffix = _tables(pad, form, channel)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_texts import plain_texts
 
 from padstudio import Camera
 from padstudio.errors import CameraFormatError
@@ -162,7 +163,7 @@ def test_without_distortion_only_where_the_file_or_the_user_says_so():
     st.sampled_from([("radtan", 0), ("radtan", 4), ("radtan", 5), ("radtan", 8), ("fisheye", 4)]),
     st.lists(st.floats(-1, 1), min_size=8, max_size=8),
     st.floats(1e-3, 1e6),
-    st.text(max_size=30),
+    plain_texts(30),
     st.booleans(),
     st.none() | st.floats(0, 1000),
 )

@@ -7,6 +7,7 @@ import yaml
 from camera_forms import RAYS, cameras, pixels
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_texts import plain_texts
 
 from padstudio import Camera
 from padstudio.errors import CameraFormatError
@@ -17,7 +18,7 @@ def camera_of(truth, name="front"):
     return Camera(truth.width, truth.height, truth.matrix, truth.distortion, model, name)
 
 
-@given(cameras(), st.sampled_from(["ros", "opencv", "colmap"]), st.text(max_size=20))
+@given(cameras(), st.sampled_from(["ros", "opencv", "colmap"]), plain_texts(20))
 def test_a_camera_comes_back_from_every_form(truth, form, name):
     text = camera_of(truth, name).to_form(form)
     np.testing.assert_allclose(Camera.loads(text).project(RAYS), pixels(truth), rtol=0, atol=1e-6)
@@ -38,7 +39,7 @@ def test_kalibr_has_four_coefficients_or_the_lens_is_refused(truth):
     assert len(chain["distortion_coeffs"]) == counts[chain["distortion_model"]]
 
 
-@given(cameras(), st.text(max_size=20))
+@given(cameras(), plain_texts(20))
 def test_opencv_reads_its_form(truth, name):
     text = camera_of(truth, name).to_form("opencv")
     storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)

@@ -158,9 +158,7 @@ def test_header_without_room_is_refused() -> None:
         written(make_pad(quiet_mm=3.0), header="Hof")
 
 
-@pytest.mark.parametrize(
-    "text", ["🚁" * 60, "שלום " * 30, "中" * 90, "a\x00b\ud800", "W" * 200, ""]
-)
+@pytest.mark.parametrize("text", ["🚁" * 60, "שלום " * 30, "中" * 90, "W" * 200, ""])
 def test_any_name_prints_within_the_sheet(text: str, tmp_path: Path) -> None:
     pad = make_pad(15, 15, name=text, quiet_mm=10.0)
     _, data = written(pad, sheets=SheetOptions(paper="A4"), header=text, footer=text)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from padstudio.bounded_files import read_whole
 from padstudio.errors import CameraFormatError
 from padstudio.geometry.camera_files.forms import (
     agisoft,
@@ -54,8 +55,7 @@ def read(path: Path) -> bytes:
         If it cannot be read.
     """
     try:
-        with path.open("rb") as file:
-            return file.read(plain_text.MAX_JSON_BYTES + 1)
+        return read_whole(path, plain_text.MAX_JSON_BYTES)
     except OSError as error:
         raise CameraFormatError(f"cannot read {path.name}: {error.strerror}") from error
 

@@ -7,7 +7,7 @@ from typing import get_args
 
 import numpy as np
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.pad.coding.search.spec import FieldSpec
 from padstudio.pad.spec import MAX_CELLS, LayerFields
 
@@ -51,7 +51,7 @@ class PadSpec(FieldSpec):
         super().__post_init__()
         if self.layers not in get_args(LayerFields):
             raise SpecError(
-                f"layers is {self.layers!r}; it must be independent or paper",
+                f"layers is {shown(self.layers)}; it must be independent or paper",
                 detail={"field": "layers"},
             )
         _check_ratio(self)

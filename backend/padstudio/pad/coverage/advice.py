@@ -19,6 +19,8 @@ from padstudio.pad.spec import MAX_CELLS
 OVERLAP = 1.25
 # Cells are chosen as for a layer of so many a side; fewer need a little less in the picture.
 _MANY = 250
+# From what a lens can focus on to a hundred kilometres.
+_LEAST_MM, _MOST_MM = 0.1, 1e8
 
 
 @dataclass(frozen=True)
@@ -77,10 +79,11 @@ class Envelope:
     reach_mm: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0 < self.low_mm < self.high_mm < math.inf or self.reach_mm < 0:
+        in_range = _LEAST_MM <= self.low_mm < self.high_mm <= _MOST_MM
+        if not (in_range and 0 <= self.reach_mm <= _MOST_MM):
             raise SpecError(
                 f"heights {self.low_mm:g} … {self.high_mm:g} mm and reach {self.reach_mm:g} mm "
-                "are no range above 0"
+                f"are no range above 0, within {_LEAST_MM:g} … {_MOST_MM:g} mm"
             )
 
 

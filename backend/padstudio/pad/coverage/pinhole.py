@@ -26,8 +26,8 @@ class View:
     focal_px: float
 
     def __post_init__(self) -> None:
-        if min(self.width_px, self.height_px) < 1 or not 0 < self.focal_px < math.inf:
-            raise SpecError("a view has a width, a height and a focal length above 0 pixels")
+        if min(self.width_px, self.height_px) < 1 or not 1e-3 <= self.focal_px <= 1e9:
+            raise SpecError("a view has a width, a height and a focal length of 0.001 … 1e9 pixels")
 
     @property
     def side_px(self) -> int:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from padstudio.errors import LimitError, SpecError
+from padstudio.errors import LimitError, SpecError, shown
 from padstudio.pad.sheets.paper import (
     NO_BANDS,
     Bands,
@@ -64,7 +64,7 @@ class SheetOptions:
         for name, kind in (("orientation", Orientation), ("joint", Joint), ("seams", Seams)):
             if getattr(self, name) not in get_args(kind):
                 raise SpecError(
-                    f"{name} is {getattr(self, name)!r}; use {', '.join(get_args(kind))}"
+                    f"{name} is {shown(getattr(self, name))}; use {', '.join(get_args(kind))}"
                 )
         if not (math.isfinite(self.overlap_mm) and 0 < self.overlap_mm <= 1000):
             raise SpecError(f"overlap_mm is {self.overlap_mm}; give more than 0, at most 1000 mm")

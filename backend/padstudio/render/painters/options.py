@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import get_args
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.pad.sheets.tiling import SheetOptions
 from padstudio.pad.spec import Pad
 from padstudio.render.painters.inks import Ink
@@ -53,7 +53,7 @@ class PrintOptions:
 
     def __post_init__(self) -> None:
         if self.ink not in get_args(Ink):
-            raise SpecError(f"ink is {self.ink!r}; use {', '.join(get_args(Ink))}")
+            raise SpecError(f"ink is {shown(self.ink)}; use {', '.join(get_args(Ink))}")
         if not (math.isfinite(self.outline_mm) and 0 <= self.outline_mm <= 100):
             raise SpecError(f"outline_mm is {self.outline_mm}; give 0 … 100 mm")
         if max(len(self.header), len(self.footer)) > _LONGEST_TEXT:

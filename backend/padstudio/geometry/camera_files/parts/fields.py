@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple, TypeVar
 
 from padstudio.arrays import Array
-from padstudio.errors import CameraFormatError
+from padstudio.errors import CameraFormatError, shown
 from padstudio.geometry.camera_files.parts.values import one_number, whole_size
 
 Data = Mapping[str, Any]
@@ -16,6 +16,8 @@ ItemT = TypeVar("ItemT")
 
 # No lens sits so near a picture's corner, as parts of its sides; numbers in other units do.
 _CORNER = 0.1
+# Characters of a message's beginning and end that are told.
+_HALF = 280
 
 #: Code of the refusal of a file of several cameras, of which none was chosen.
 SEVERAL = "several_cameras"
@@ -114,7 +116,7 @@ def choose(cameras: Mapping[str, ItemT], asked: Asked) -> tuple[str, ItemT]:
     names = ", ".join(list(cameras)[:20])
     if asked.which is not None:
         if asked.which not in cameras:
-            raise CameraFormatError(f"holds no camera {asked.which!r}; it holds {names}")
+            raise CameraFormatError(f"holds no camera {shown(asked.which)}; it holds {names}")
         return asked.which, cameras[asked.which]
     if len(cameras) > 1:
         raise CameraFormatError(
@@ -129,15 +131,20 @@ def choose(cameras: Mapping[str, ItemT], asked: Asked) -> tuple[str, ItemT]:
 def refuse_choice(asked: Asked) -> None:
     """Refuse a choice of camera where a file's form holds one without a name."""
     if asked.which is not None:
-        raise CameraFormatError(f"holds one camera; leave out the choice of {asked.which!r}")
+        raise CameraFormatError(f"holds one camera; leave out the choice of {shown(asked.which)}")
 
 
 @contextmanager
 def naming(name: str) -> Iterator[None]:
-    """Lets the messages of camera errors start with a file's name."""
+    """Lets messages of camera errors start with a file's name, and repeat little of the file."""
     try:
         yield
     except CameraFormatError as error:
         raise CameraFormatError(
-            f"{name}: {error.message}", code=error.error_code, detail=error.detail
+            f"{name}: {_in_short(error.message)}", code=error.error_code, detail=error.detail
         ) from error
+
+
+def _in_short(message: str) -> str:
+    """A sentence without its middle, where that repeats a whole file; its end says what to do."""
+    return message if len(message) <= 2 * _HALF else f"{message[:_HALF]} … {message[-_HALF:]}"

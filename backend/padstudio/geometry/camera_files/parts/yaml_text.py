@@ -13,6 +13,8 @@ import yaml
 
 #: Lists and mappings within each other.
 MAX_DEPTH = 32
+#: Values and keys of a document; a camera file has some hundred, a bag's metadata some thousand.
+MAX_VALUES = 200_000
 
 # The parser in C where PyYAML was built with it; both give the same events.
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -44,7 +46,7 @@ def parse(text: str) -> Any:
     Raises
     ------
     yaml.YAMLError
-        If it is ill-formed, has tags or aliases, says a key twice, or is nested too deep.
+        If it is ill-formed, has tags or aliases, says a key twice, is nested too deep or too long.
     """
     # OpenCV's first line, "%YAML:1.0", is no directive that YAML knows; blank it, so that the line
     # numbers of messages stay true.
@@ -63,14 +65,18 @@ class _Builder:
 
     def __init__(self) -> None:
         self.root: Any = None
+        self.values = 0
         self.open: list[tuple[Any, str | None]] = []
 
     def take(self, event: Any) -> None:
+        self.values += 1
+        if self.values > MAX_VALUES:
+            _refuse(event, f"more than {MAX_VALUES} values")
         if isinstance(event, yaml.AliasEvent):
             _refuse(event, "aliases are not read; write the value out")
         tag = getattr(event, "tag", None)
         if tag is not None and tag not in _ALLOWED.get(type(event), ()):
-            shown = tag.replace(_PREFIX, "!!")
+            shown = tag.replace(_PREFIX, "!!")[:60]
             _refuse(event, f"the tag {shown} is not read; write the plain value")
         if isinstance(event, yaml.ScalarEvent):
             self._place(event, event.value if self._wants_key() else _scalar(event))
@@ -97,7 +103,7 @@ class _Builder:
             inside.append(value)
         elif key is None:
             if value in inside:
-                _refuse(event, f"{value} stands twice; leave one")
+                _refuse(event, f"{value[:60]} stands twice; leave one")
             self.open[-1] = (inside, value)
         else:
             inside[key] = value

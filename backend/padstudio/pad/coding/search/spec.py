@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.errors import SearchCancelledError, SearchExhaustedError, SpecError
+from padstudio.errors import SearchCancelledError, SearchExhaustedError, SpecError, shown
 from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW
 
 Unique = Literal["rotation", "plain"]
@@ -91,7 +91,7 @@ class FieldSpec:
         ):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int | np.integer):
-                raise SpecError(f"{name} is {value!r}; it must be a whole number")
+                raise SpecError(f"{name} is {shown(value)}; it must be a whole number")
             if not low <= value <= high:
                 raise SpecError(
                     f"{name} is {value}; it must be {low} … {high}", detail={"field": name}
@@ -99,7 +99,7 @@ class FieldSpec:
         for name, choices in (("unique", get_args(Unique)), ("method", get_args(Method))):
             if getattr(self, name) not in choices:
                 raise SpecError(
-                    f"{name} is {getattr(self, name)!r}; it must be {' or '.join(choices)}",
+                    f"{name} is {shown(getattr(self, name))}; it must be {' or '.join(choices)}",
                     detail={"field": name},
                 )
 
