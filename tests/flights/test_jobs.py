@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from datetime import UTC, datetime, timedelta
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +11,13 @@ import flight_orders
 import numpy as np
 import pytest
 import videos
-from sqlalchemy import update
 
 from padstudio.errors import ConflictError, LimitError, NotFoundError
-from padstudio.flights.chunks import Chunks, Claim
+from padstudio.flights.chunks import Chunks
 from padstudio.flights.jobs import Flights
 from padstudio.flights.results.frames import FrameFilter, Results
 from padstudio.flights.tasks.planning import ChunkPlan, Plan
-from padstudio.store.database.flight_tables import ChunkRow, FlightRow
+from padstudio.store.database.flight_tables import FlightRow
 from padstudio.store.store import Store
 
 ERROR = {"code": "worker_crashed", "message": "the process died", "detail": {}}
@@ -128,7 +127,7 @@ def test_a_restart_queues_what_was_running(office: Office) -> None:
     office.chunks.finish(done, records(0))
     assert office.chunks.release_all() == 1
     [again] = office.chunks.claim(5)
-    assert again == Claim(running.chunk, running.flight, running.attempt + 1, is_plan=False)
+    assert again == replace(running, attempt=running.attempt + 1)
 
 
 def test_crashes_cost_attempts_and_then_the_chunk(office: Office) -> None:
@@ -187,16 +186,13 @@ def test_cancel_keeps_what_is_finished_and_drops_the_rest(office: Office) -> Non
     assert len(office.chunks.claim(5)) == 2
 
 
-def test_expired_leases_are_told(office: Office) -> None:
+def test_what_nobody_is_at_is_queued_again(office: Office) -> None:
     office.planned()
-    claims = office.chunks.claim(2)
-    assert office.chunks.expired(claims) == []
-    with office.store.session.begin() as session:
-        past = datetime.now(UTC) - timedelta(seconds=1)
-        session.execute(
-            update(ChunkRow).where(ChunkRow.id == claims[0].chunk).values(lease_until=past)
-        )
-    assert office.chunks.expired(claims) == [claims[0]]
+    mine, other = office.chunks.claim(2)
+    assert office.chunks.release_all({mine.chunk}) == 1
+    assert office.chunks.is_current(mine)
+    assert not office.chunks.is_current(other)
+    assert [claim.chunk for claim in office.chunks.claim(5)] == [other.chunk]
 
 
 def test_uploads_stay_while_a_flight_needs_them(office: Office) -> None:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from runner_bench import CRASH, REFUSAL, Bench, Ended, Work, do, first_then
-from sqlalchemy import event
 
 from padstudio.errors import StorageError
 from padstudio.flights.cluster.task import Outcome
@@ -116,29 +114,3 @@ def test_a_restart_goes_on_where_the_last_server_ended(bench: Bench) -> None:
     engine = bench.start(do)
     assert bench.finished(flight).frames_done == 6
     assert [task.number for task in engine.asked] == [2]
-
-
-def test_a_full_disk_ends_the_flight_by_name_and_keeps_nothing_half(bench: Bench) -> None:
-    limits = []
-
-    def limit(connection: Any, *_: object) -> None:
-        connection.execute(f"PRAGMA max_page_count={limits[-1] if limits else 10**9}")
-
-    engine = bench.store.session.kw["bind"]
-    event.listen(engine, "checkout", limit)
-
-    def fill_up(key: str, task: Work, ended: Ended) -> None:
-        if task.number == 1:
-            limits.append(1)
-        do(key, task, ended)
-
-    bench.start(fill_up)
-    over = bench.finished(bench.order())
-    assert over.state == "failed"
-    assert over.error is not None
-    assert over.error["code"] == "disk_full"
-    limits.append(10**9)
-    event.remove(engine, "checkout", limit)
-    engine.dispose()
-    bench.flights.retry(over.id)
-    assert bench.finished(over.id).frames_done == 6

@@ -19,7 +19,7 @@ import videos
 
 from padstudio.store.store import Store
 
-FLIGHTS, FRAMES = 200, 6
+FLIGHTS, FRAMES = 60, 6
 PATIENCE_S = 900
 
 
@@ -67,7 +67,7 @@ def done(data: Path) -> tuple[int, int]:
 
 def work_until(data: Path, server: psutil.Process, flights: int, *, kill: random.Random) -> int:
     """Wait until some flights are over, and kill a worker now and then; how many were killed."""
-    killed, next_kill = 0, done(data)[0] + kill.randint(15, 50)
+    killed, next_kill = 0, done(data)[0] + kill.randint(5, 12)
     give_up = time.monotonic() + PATIENCE_S
     while (over := done(data)[0]) < flights:
         assert server.is_running()
@@ -76,7 +76,7 @@ def work_until(data: Path, server: psutil.Process, flights: int, *, kill: random
             with contextlib.suppress(psutil.Error):
                 kill.choice(workers).kill()
                 killed += 1
-            next_kill = over + kill.randint(15, 50)
+            next_kill = over + kill.randint(5, 12)
         time.sleep(0.05)
     return killed
 

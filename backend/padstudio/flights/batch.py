@@ -35,7 +35,7 @@ FRAME_SECONDS = 120.0
 #: and frames of a video that take longer each.
 VIDEO_FRAME_SECONDS = 10.0
 _WORKER_MEMORY_BYTES = 4_000_000_000
-# Frames of a video that are followed in one go; each go begins at a keyframe.
+# Frames of a video that are followed in one go; each go begins at a keyframe, where that is near.
 _CHUNK_FRAMES = 120
 
 

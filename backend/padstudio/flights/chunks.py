@@ -6,7 +6,7 @@ do where another claim came between, so that no result is taken twice. Only the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -36,12 +36,15 @@ class Claim:
         What the claim is ended with.
     is_plan : bool
         The chunk parts the flight's work into the others.
+    limit_s : float
+        Time for the work; what takes longer hangs.
     """
 
     chunk: int
     flight: int
     attempt: int
     is_plan: bool
+    limit_s: float
 
 
 class Chunks:
@@ -95,7 +98,8 @@ class Chunks:
                     .returning(ChunkRow.attempt)
                 )
                 if attempt is not None:
-                    claims.append(Claim(chunk.id, chunk.flight, attempt, chunk.number == 0))
+                    is_plan = chunk.number == 0
+                    claims.append(Claim(chunk.id, chunk.flight, attempt, is_plan, seconds))
             session.execute(
                 update(FlightRow)
                 .where(
@@ -158,7 +162,9 @@ class Chunks:
             ).scalar_one()
             insert_rows(session, request, frames, details)
             numbers = range(frames[0]["number"], frames[-1]["number"] + 1)
-            fuse_around(session, claim.flight, request, numbers)
+            # Poses of a live session were fused when they came.
+            if not request.get("live"):
+                fuse_around(session, claim.flight, request, numbers)
             session.execute(
                 update(FlightRow)
                 .where(FlightRow.key == claim.flight)
@@ -196,12 +202,18 @@ class Chunks:
         with self._session.begin() as session:
             return self._end(session, claim, state="queued")
 
-    def release_all(self) -> int:
-        """Queue everything unfinished again: no task outlives the server that asked for it."""
+    def release_all(self, besides: Collection[int] = ()) -> int:
+        """Queue everything unfinished again: no task outlives the server that asked for it.
+
+        Parameters
+        ----------
+        besides : collection of int
+            Chunks that somebody is at.
+        """
         with self._session.begin() as session:
             released = session.execute(
                 update(ChunkRow)
-                .where(ChunkRow.state == "running")
+                .where(ChunkRow.state == "running", ChunkRow.id.not_in(besides))
                 .values(state="queued", lease_until=None)
             )
             return int(released.rowcount)  # type: ignore[attr-defined]
@@ -211,15 +223,6 @@ class Chunks:
         with self._session() as session:
             chunk = session.get(ChunkRow, claim.chunk)
             return bool(chunk and chunk.attempt == claim.attempt and chunk.state == "running")
-
-    def expired(self, claims: Sequence[Claim]) -> list[Claim]:
-        """Those claims whose time is over."""
-        over = select(ChunkRow.id).where(
-            ChunkRow.state == "running", ChunkRow.lease_until < datetime.now(UTC)
-        )
-        with self._session() as session:
-            ids = set(session.scalars(over))
-        return [claim for claim in claims if claim.chunk in ids]
 
     @staticmethod
     def _end(session: Session, claim: Claim, **values: Any) -> bool:

@@ -22,6 +22,7 @@ from padstudio.flights.pictures.bounded import BoundedFolder
 from padstudio.flights.pictures.proxies import ProxyJob, ProxyStore
 from padstudio.flights.pictures.shelves import FRAMES_BEFORE, shelf_job
 from padstudio.flights.pictures.stages import PictureCache, PictureJob
+from padstudio.flights.recorded import from_rows as recorded
 from padstudio.flights.results.charts import FigureRows
 from padstudio.flights.results.compared_rows import Comparisons
 from padstudio.flights.results.frames import Results
@@ -64,6 +65,8 @@ class FlightOptions:
         Flights that may be queued or running at a time.
     attempts : int
         Dead or hanging workers that one chunk may cost.
+    idle_s : float or None
+        After so long without work a cluster's scheduler is let go of.
     """
 
     pictures: Path
@@ -76,6 +79,7 @@ class FlightOptions:
     limits: WorkLimits = field(default_factory=WorkLimits)
     max_open: int = 1000
     attempts: int = 3
+    idle_s: float | None = None
 
 
 class FlightService:
@@ -121,7 +125,7 @@ class FlightService:
         self.limits, self._shares_disk = options.limits, options.shares_disk
         self._uploads, self._storage = uploads, storage
         chunks = Chunks(session, attempts=options.attempts)
-        self._runner = Runner(self.flights, chunks, engine, self._task_of)
+        self._runner = Runner(self.flights, chunks, engine, self._task_of, idle_s=options.idle_s)
         self.pictures = PictureCache(options.pictures, options.keep_picture_bytes)
         folder = options.shelves or options.pictures.with_name("frames")
         self.shelves = BoundedFolder(folder, options.keep_frame_bytes, is_emptied=True)
@@ -156,14 +160,22 @@ class FlightService:
         params_from(order.request["params"])
         pads = [Pad.loads(text) for text in (order.pad, *order.other_pads)]
         check_pads(pads, order.request["method"])
-        check_uploads([self._complete(upload) for upload in order.uploads])
-        request = dict(order.request) | {"version": __version__}
+        uploads = [self._complete(upload) for upload in order.uploads]
+        if recorded.is_recorded(order.request):
+            recorded.check_recorded(uploads)
+        else:
+            check_uploads(uploads)
+        # The poses of a live session are those of the program that ran then.
+        program = order.request.get("live", {}).get("program", __version__)
+        request = dict(order.request) | {"version": program}
         flight = self.flights.create(replace(order, request=request))
         self._runner.wake()
         return flight
 
     def rerun(self, flight_id: str, change: Callable[[FlightOrder], FlightOrder]) -> FlightRow:
         """Queue a flight of the same uploads beside another one; raises as `order`.
+
+        Of a live session's recording the frames are read anew, all of them.
 
         Parameters
         ----------
@@ -180,12 +192,15 @@ class FlightService:
             If it has none.
         """
         first = self.flights.get(flight_id, texts=True)
+        uploads = self.flights.uploads(first)
+        if recorded.is_recorded(first.request):
+            uploads = tuple(u for u in uploads if self._uploads.get(u).kind == "video")
         order = FlightOrder(
             first.name,
-            self.flights.uploads(first),
+            uploads,
             first.pad,
             first.camera,
-            first.request,
+            {name: value for name, value in first.request.items() if name != "live"},
             rerun_of=first.id,
             other_pads=first.other_pads or (),
         )
@@ -277,12 +292,18 @@ class FlightService:
         return ProxyJob(part, chunk.first_frame, target, self.limits.max_pixels), chunk
 
     def _task_of(self, flight: FlightRow, chunk: ChunkRow) -> Task:
+        is_recorded = recorded.is_recorded(flight.request)
+        if chunk.number and is_recorded:
+            return recorded.frames_task(flight, chunk)
         if chunk.number:
             self.proxies.trim()
             keeps = self._shares_disk and not flight.request.get("only")
             target = self.proxies.target(flight) if keeps else None
             return from_rows.frames_task(flight, chunk, self.limits, target)
         uploads = [self._complete(upload) for upload in self.flights.uploads(flight)]
+        if is_recorded:
+            found = [(upload, self._uploads.path(upload.id)) for upload in uploads]
+            return recorded.plan_task(flight, found, self._storage.place, self.limits)
         files = [(u.id, u.kind or "", u.name, self._uploads.path(u.id)) for u in uploads]
         only = self._chosen(flight.request)
         return from_rows.plan_task(flight, files, self._storage.place, self.limits, only)
@@ -301,6 +322,12 @@ def check_uploads(uploads: Sequence[Upload]) -> None:
         If there are none to read frames from, videos among stills, or telemetry without a video.
     """
     kinds = [upload.kind for upload in uploads]
+    if "live" in kinds:
+        raise SpecError(
+            "what was recorded live opens with the poses that it has: POST it to "
+            "/api/v1/flights/from-recording, or send its videos alone",
+            code="live_recording",
+        )
     videos = kinds.count("video") + kinds.count("recording")
     stills = kinds.count("still") + kinds.count("stills")
     if not videos and not stills:

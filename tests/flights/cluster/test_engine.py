@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import queue
+import subprocess
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -145,8 +147,11 @@ def test_addresses_without_encryption_are_refused(address: str) -> None:
     assert caught.value.error_code == "invalid_setting"
 
 
-@pytest.mark.parametrize("lend", [cluster_processes.worker, cluster_processes.plain_worker])
-def test_workers_join_a_scheduler(lend: Callable[..., Any], tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_own", [True, False])
+def test_workers_join_a_scheduler(is_own: bool, tmp_path: Path) -> None:
+    lend: Callable[..., Any] = cluster_processes.plain_worker
+    if is_own:
+        lend = partial(cluster_processes.worker, options=("--idle-s", "1"))
     tls = cluster_processes.certificates(tmp_path)
     with cluster_processes.scheduler(tls, tmp_path) as (_, address), importable(HERE):
         cluster = Cluster(
@@ -161,3 +166,16 @@ def test_workers_join_a_scheduler(lend: Callable[..., Any], tmp_path: Path) -> N
                 assert outcome.value[0] == 8
                 assert outcome.value[1] not in (os.getpid(), process.pid)
                 assert engine.tend() is None
+                if is_own:
+                    _check_that_memory_comes_back(engine, outcome.value[1], process)
+
+
+def _check_that_memory_comes_back(
+    engine: ClusterEngine, idle: int, agent: subprocess.Popen[bytes]
+) -> None:
+    """Idle processes are let go and come back, and the one that holds them stays."""
+    psutil.Process(idle).wait(60)
+    again = Watched(engine).run(engine_jobs.Say(9))
+    assert again.value[0] == 9
+    assert again.value[1] != idle
+    assert agent.poll() is None

@@ -11,10 +11,10 @@ import pytest
 from export_records import PAD_SIZE_MM, POSES, pad_in_camera_m, records, rotation, times
 from pymavlink import mavutil
 
+from padstudio.autopilot.vehicle import Mount, VehicleTrack
 from padstudio.errors import SpecError
 from padstudio.flights.exports.forms import export
 from padstudio.flights.exports.options import ExportOptions
-from padstudio.flights.exports.vehicle import Mount, VehicleTrack
 
 START_S = 1_700_000_000.0
 MAV = mavutil.mavlink

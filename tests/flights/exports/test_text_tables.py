@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from export_records import CAMERA, FAILED_AT, POSES, records, rotation, times
 
+from padstudio.autopilot.vehicle import VehicleTrack
 from padstudio.errors import EmptyExportError, NotFoundError, SpecError
 from padstudio.flights.exports.forms import FORMS, export
 from padstudio.flights.exports.options import ExportOptions
-from padstudio.flights.exports.vehicle import VehicleTrack
 from padstudio.geometry.camera import Camera
 
 
@@ -47,11 +47,24 @@ def test_csv_has_a_row_a_frame_and_the_same_doubles() -> None:
             assert row["camera_in_pad_x_mm"] == ""
 
 
-@pytest.mark.parametrize("source", ["=cmd|' /C calc'!A0", "+1.jpg", "-1.jpg", "@x"])
-def test_csv_has_no_formulas(source: str) -> None:
-    record = records()[0] | {"source": source}
+@pytest.mark.parametrize(
+    "source",
+    [
+        *("=cmd|' /C calc'!A0", "+1.jpg", "-1.jpg", "@x", "\tx", " =1", "\u00a0=1", "\u200b=1"),
+        *("\uff1d1", "\uff0b1", "\uff0d1", "\uff20x", "\ufe661", "\u22121", "\x00=1"),
+    ],
+)
+@pytest.mark.parametrize("column", ["source", "layer", "pad_id"])
+def test_csv_has_no_formulas(column: str, source: str) -> None:
+    record = records()[0] | {column: source}
     (row,) = csv.DictReader(io.StringIO(b"".join(export("csv", [record])).decode(), newline=""))
-    assert row["source"] == "'" + source
+    assert row[column] == "'" + source
+
+
+def test_other_texts_of_csv_stay_as_they_are() -> None:
+    record = records()[0] | {"source": "a=b - c+d@e.jpg"}
+    (row,) = csv.DictReader(io.StringIO(b"".join(export("csv", [record])).decode(), newline=""))
+    assert row["source"] == record["source"]
 
 
 def test_jsonl_is_the_poses_file() -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 import json
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,11 @@ import numpy as np
 import pytest
 from export_records import POSES, on_an_arc, records
 
+from padstudio.errors import StudioError
+from padstudio.flights.exports.from_file import PosesFile, export_file
+from padstudio.flights.exports.options import ExportChoices
 from padstudio.flights.results.completed import completed
-from padstudio.flights.results.poses_file import PosesFormatError, read_poses
+from padstudio.flights.results.poses_file import PosesFormatError, parse_record, read_poses
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.stage.detection import Detection
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -52,6 +56,37 @@ def test_ill_formed_records_are_named(tmp_path: Path, change: dict[str, Any], sa
     path.write_text(f"{json.dumps(GOOD)}\n{json.dumps(GOOD | change)}\n")
     with pytest.raises(PosesFormatError, match=rf"poses.jsonl, line 2: .*{said}"):
         list(read_poses(path))
+
+
+ODD = (0.2, True, "x", "", [], [1], [None, None], {}, {"a": []}, [[1, 0, 0]] * 3, -1, 1e300)
+
+
+@pytest.mark.parametrize("record", [GOOD, FAILED], ids=["ok", "failed"])
+def test_whatever_a_field_holds_is_refused_or_written(
+    tmp_path: Path, record: dict[str, Any]
+) -> None:
+    path, taken = tmp_path / "poses.jsonl", 0
+    for key in {*GOOD, *FAILED, "flatness_mm", "frame_px", "estimate", "pad_id", "topic"}:
+        for value in ODD:
+            path.write_text(json.dumps(record | {key: value}) + "\n")
+            with contextlib.suppress(PosesFormatError):
+                list(read_poses(path))
+                taken += 1
+                for form in ("csv", "tum", "mcap"):
+                    with contextlib.suppress(StudioError):
+                        b"".join(export_file(PosesFile(path=path), ExportChoices(form=form)).blocks)
+    assert taken
+
+
+@pytest.mark.parametrize("half", [b"\\ud800", b"\xed\xa0\x80"], ids=["escaped", "raw"])
+def test_halves_of_surrogate_pairs_are_refused(half: bytes) -> None:
+    line = json.dumps(FAILED | {"detail": "HERE"}).encode().replace(b"HERE", half)
+    with pytest.raises(PosesFormatError):
+        parse_record(line)
+
+
+def test_a_mark_of_the_encoding_is_no_fault() -> None:
+    assert parse_record(b"\xef\xbb\xbf" + json.dumps(FAILED).encode()) == FAILED
 
 
 FIELDS = ("range_mm", "bearing", "range_sigma_mm", "bearing_sigma_deg", "quality")

@@ -87,6 +87,23 @@ def test_chunks_become_shorter_toward_the_end(tmp_path: Path) -> None:
     assert all(size <= max(30, left / 4) + 10 for size, left in zip(sizes, behind, strict=True))
 
 
+@pytest.mark.parametrize(("stride", "parts"), [(1, 7), (3, 7), (7, 3)])
+def test_a_video_of_one_keyframe_is_worked_in_parts(
+    stride: int, parts: int, tmp_path: Path
+) -> None:
+    path = videos.write(tmp_path / "long.mp4", 210, keyframe_every=999)
+    found = plan(path, chunk_frames=120, stride=stride)
+    assert numbers(found, stride) == list(range(0, 210, stride))
+    assert len(found.chunks) == parts
+    sizes = [chunk.frames for chunk in found.chunks]
+    assert max(sizes) - min(sizes) <= 1
+
+
+def test_few_parts_are_made_between_keyframes_however_far_apart(tmp_path: Path) -> None:
+    path = videos.write(tmp_path / "long.mp4", 700, keyframe_every=999)
+    assert len(plan(path, chunk_frames=30).chunks) == 8
+
+
 def test_videos_follow_each_other_in_frames_and_time(video: Path) -> None:
     found = plan(video, video)
     assert numbers(found) == list(range(200))

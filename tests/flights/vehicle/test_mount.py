@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from two_motions import TwoMotions, turn
 
-from padstudio.flights.exports.vehicle import Mount
+from padstudio.autopilot.vehicle import Mount
 from padstudio.flights.vehicle.mount import MountEstimate, estimate_mount
 
 TIMES = np.arange(0, 20, 0.1)

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Image, YuvFrame
-from padstudio.errors import StudioError
+from padstudio.errors import StudioError, shown
 from padstudio.flights.bundles import contents
 from padstudio.flights.bundles.around import Around
 from padstudio.flights.bundles.contents import Alone, Bundle, Neighbour
@@ -55,7 +55,7 @@ def unpack(data: bytes, max_pixels: int = images.MAX_PIXELS) -> Bundle:
         raise BundleError("the zip is no bundle of Pad Studio; choose one", code="not_a_bundle")
     if manifest.get("format_version") != contents.FORMAT_VERSION:
         raise BundleError(
-            f"the bundle is of format {manifest.get('format_version')!r}, this program reads "
+            f"the bundle is of format {shown(manifest.get('format_version'))}, this program reads "
             f"{contents.FORMAT_VERSION}; open it with a newer one",
             code="bundle_version",
         )
@@ -77,7 +77,7 @@ def _bundle(members: Mapping[str, bytes], manifest: _Field, max_pixels: int) -> 
     frame, original = _frame(members, manifest["planes"], max_pixels)
     reading = manifest["reading"]
     if reading not in ("still", "run"):
-        raise ValueError(f"reading {reading!r}")
+        raise ValueError(f"reading {shown(reading)}")
     expected = manifest["expected"]
     return Bundle(
         recipe,
@@ -116,7 +116,7 @@ def _way(given: _Field) -> tuple[Any, str]:
     """A method, and its parameters as a recipe has them."""
     method, params = given["method"], given["params"]
     if method not in ("dense", "paper"):
-        raise ValueError(f"method {method!r}")
+        raise ValueError(f"method {shown(method)}")
     params_from(params)
     return method, json.dumps(params, sort_keys=True)
 
@@ -204,5 +204,5 @@ def _view(value: Any) -> dict[str, str]:
         raise ValueError("a view that is none")
     for name, text in value.items():
         if not _VIEW_NAME.match(name) or not isinstance(text, str) or len(text) > _VIEW_LENGTH:
-            raise ValueError(f"a view of {name[:40]!r}")
+            raise ValueError(f"a view of {shown(name)}")
     return value

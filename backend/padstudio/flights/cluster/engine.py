@@ -113,6 +113,10 @@ class ClusterEngine:
         """True where the engine was started and its scheduler is gone."""
         return self._client is not None and self._client.status not in ("running", "connecting")
 
+    def rest(self) -> None:
+        """As of `Engine`: the connection to the scheduler, which never stands still."""
+        self.close()
+
     def close(self) -> None:
         """As of `Engine`."""
         with self._lock:
@@ -199,6 +203,11 @@ def configure() -> None:
             "distributed.worker.memory.pause": False,
             # Stacks sampled a hundred times a second, and kept for an hour.
             "distributed.worker.profile.enabled": False,
+            # For what it measures of itself an idle worker would wake 62 times a second.
+            "distributed.admin.tick.interval": "1s",
+            "distributed.admin.system-monitor.interval": "10s",
+            "distributed.admin.system-monitor.disk": False,
+            "distributed.worker.memory.monitor-interval": "500ms",
             "distributed.admin.large-graph-warning-threshold": "1GB",
             # Large frames come and go; giving their memory back each time costs a sixth.
             "distributed.nanny.pre-spawn-environ": {

@@ -49,8 +49,11 @@ class LocalEngine:
             call.kill()
 
     def tend(self) -> str | None:
-        """Nothing to see to: the pool starts processes as they are needed."""
-        return None
+        """As of `Engine`: the pool starts processes as they are needed, where it can."""
+        return self._pool.trouble
+
+    def rest(self) -> None:
+        """Nothing to let go of: the pool sees to its processes."""
 
     def close(self) -> None:
         """Tell what is at work to stop."""

@@ -75,6 +75,9 @@ class Engine(Protocol):
     def tend(self) -> str | None:
         """See that there are workers; a sentence where there is none, for who waits for one."""
 
+    def rest(self) -> None:
+        """Let go of what costs something while nothing is at work; the next task has it again."""
+
     def close(self) -> None:
         """Let go of the workers; tasks at work are lost."""
 

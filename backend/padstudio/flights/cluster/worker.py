@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from padstudio.errors import StudioError
@@ -22,7 +23,12 @@ class ClusterError(StudioError):
 
 
 def lend_workers(
-    cluster: Cluster, workers: int, memory_bytes: int, *, joined: Callable[[int], None]
+    cluster: Cluster,
+    workers: int,
+    memory_bytes: int,
+    idle_s: float,
+    *,
+    joined: Callable[[int], None],
 ) -> None:
     """Work for a scheduler until it ends or the process is interrupted.
 
@@ -33,6 +39,8 @@ def lend_workers(
         Processes.
     memory_bytes : int
         What each of them may take before it is ended.
+    idle_s : float
+        After so long without a task a process gives its memory back: another takes its place.
     joined : callable
         Called with the number of processes once all have joined.
 
@@ -43,13 +51,14 @@ def lend_workers(
     """
     configure()
     logging.getLogger("distributed").setLevel(logging.ERROR)
-    asyncio.run(_lend(cluster, workers, memory_bytes, joined))
+    nannies = [partial(_nanny, cluster, memory_bytes, idle_s)] * workers
+    asyncio.run(_lend(cluster, nannies, joined))
 
 
 async def _lend(
-    cluster: Cluster, workers: int, memory_bytes: int, joined: Callable[[int], None]
+    cluster: Cluster, made: Sequence[Callable[[], Any]], joined: Callable[[int], None]
 ) -> None:
-    nannies = [_nanny(cluster, memory_bytes) for _ in range(workers)]
+    nannies = [make() for make in made]
     try:
         try:
             await asyncio.wait_for(asyncio.gather(*nannies), _CONNECT_S)
@@ -65,8 +74,10 @@ async def _lend(
         await asyncio.gather(*(nanny.close(timeout=5) for nanny in nannies), return_exceptions=True)
 
 
-def _nanny(cluster: Cluster, memory_bytes: int) -> Any:
+def _nanny(cluster: Cluster, memory_bytes: int, idle_s: float) -> Any:
     from distributed import Nanny
+
+    from padstudio.flights.cluster.idle import RestartIdle
 
     return Nanny(
         cluster.scheduler,
@@ -74,4 +85,5 @@ def _nanny(cluster: Cluster, memory_bytes: int) -> Any:
         memory_limit=memory_bytes,
         security=security_of(cluster),
         dashboard=False,
+        plugins=(RestartIdle(idle_s),),
     )

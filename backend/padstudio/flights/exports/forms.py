@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from padstudio.errors import NotFoundError
+from padstudio.errors import NotFoundError, shown
 from padstudio.flights.exports.colmap import write_colmap
 from padstudio.flights.exports.frames.records import alike
 from padstudio.flights.exports.mavlink import write_ardupilot, write_px4
@@ -109,7 +109,7 @@ def export(
         If the file would hold nothing of what its form is for.
     """
     if form not in FORMS:
-        raise NotFoundError(f"there is no form {form!r}; there are {', '.join(FORMS)}")
+        raise NotFoundError(f"there is no form {shown(form)}; there are {', '.join(FORMS)}")
     blocks = in_blocks(FORMS[form].write(alike(records), options or ExportOptions()))
     # What there is nothing of is told before anybody has begun to write or to send.
     first = next(blocks, b"")

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from padstudio.autopilot.vehicle import VehicleTrack
 from padstudio.errors import SpecError
 from padstudio.flights.exports.frames.records import alike
 from padstudio.flights.exports.options import Record
-from padstudio.flights.exports.vehicle import VehicleTrack
 from padstudio.flights.vehicle.comparison import clock_of
 from padstudio.flights.vehicle.ours import OurPoses
 

@@ -12,62 +12,26 @@ https://mavlink.io/en/services/landing_target.html
 
 from __future__ import annotations
 
-import math
 import struct
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from padstudio.arrays import Array
+from padstudio.autopilot.target import (
+    Sight,
+    Target,
+    picture_fields,
+    position_fields,
+    target_in_body,
+)
+from padstudio.autopilot.vehicle import MAX_GAP_S, VehicleTrack
 from padstudio.errors import SpecError
 from padstudio.flights.exports.frames.records import timed
 from padstudio.flights.exports.options import ExportOptions, Record, at_least_one, full_pose_of
-from padstudio.flights.exports.vehicle import MAX_GAP_S, VehicleTrack
-from padstudio.geometry.pose import Pose
 
-# The pad as a frame of the autopilots' kind: x up the page, y to its right, z into it.
-_R_PAD_TARGET = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 # A companion computer of vehicle 1 speaks.
 _SYSTEM, _COMPONENT = 1, 191
-
-
-@dataclass(frozen=True, eq=False)
-class Target:
-    """The pad as the vehicle sees it.
-
-    Attributes
-    ----------
-    position_m : (3,) float64
-        The pad's centre.
-    rotation : (3, 3) float64 or None
-        Takes vectors of the pad as a frame x up the page, y right, z into it, to the same frame
-        as the position; None where the attitude is not known.
-    """
-
-    position_m: Array
-    rotation: Array | None
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """Range and bearing of the pad's centre.
-
-    Attributes
-    ----------
-    range_m : float
-    bearing : (3,) float64
-        Unit vector in the camera frame.
-    """
-
-    range_m: float
-    bearing: Array
-
-    @property
-    def pad_in_camera_m(self) -> Array:
-        """(3,) float64, the pad's centre in the camera frame, metres."""
-        return self.range_m * self.bearing
 
 
 Place = Callable[[Target, float], Target | None]
@@ -102,9 +66,7 @@ def write_px4(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
         found = track.at(time_s)
         if found is None:
             return None
-        position, rotation = found
-        turned = None if target.rotation is None else rotation @ target.rotation
-        return Target(position + rotation @ target.position_m, turned)
+        return target.moved(*found)
 
     return _write(records, options, "MAV_FRAME_LOCAL_NED", to_local, lambda: _apart(track))
 
@@ -115,23 +77,6 @@ def _apart(track: VehicleTrack) -> str:
         f"{track.start_s:g} s to {track.end_s:g} s of the flight, with {track.usual_gap_s:g} s "
         f"between rows, and gaps above {MAX_GAP_S:g} s are not bridged; give a track on the "
         "flight's clock with more rows"
-    )
-
-
-def target_in_body(sight: Sight, pose: Pose | None, options: ExportOptions) -> Target:
-    """The pad in the body frame of the vehicle that the camera is mounted on.
-
-    Parameters
-    ----------
-    sight : Sight
-    pose : Pose or None
-        Where all of it can be used.
-    options : ExportOptions
-    """
-    mount = options.mount
-    return Target(
-        mount.position_m + mount.rotation @ sight.pad_in_camera_m,
-        None if pose is None else mount.rotation @ pose.rotation.T @ _R_PAD_TARGET,
     )
 
 
@@ -192,10 +137,11 @@ def _targets(
             if sight is None:
                 continue
             sights += 1
-            body = target_in_body(sight, full_pose_of(record), options)
+            body = target_in_body(sight, full_pose_of(record), options.mount)
             target = place(body, time_s)
             if target is not None:
-                yield time_s, _angles(sight, body, options) | _position(target)
+                seen = picture_fields(sight, body, options.pad_size_mm)
+                yield time_s, seen | position_fields(target)
 
     def nothing() -> str:
         what = f"{sights} frames have a pose, but {why_none()}" if sights else "no frame has a pose"
@@ -208,26 +154,3 @@ def _header(common: Any, frame: str) -> Any:
     """The convention, where log viewers show messages; 50 bytes are all there is."""
     text = f"LANDING_TARGET {frame} m".encode()
     return common.MAVLink_statustext_message(common.MAV_SEVERITY_INFO, text)
-
-
-def _angles(sight: Sight, body: Target, options: ExportOptions) -> dict[str, float]:
-    """Where the picture has the pad: positive to the right and down; and how large it is."""
-    distance_m = float(np.linalg.norm(body.position_m))
-    x, y, z = sight.bearing
-    width, height = options.pad_size_mm or (0.0, 0.0)
-    return {
-        "angle_x": math.atan2(x, z),
-        "angle_y": math.atan2(y, z),
-        "distance": distance_m,
-        "size_x": 2 * math.atan2(width / 2000, distance_m),
-        "size_y": 2 * math.atan2(height / 2000, distance_m),
-    }
-
-
-def _position(target: Target) -> dict[str, Any]:
-    x, y, z = target.position_m
-    if target.rotation is None:
-        # Zeros are what MAVLink 2 reads where a field was not sent.
-        return {"x": x, "y": y, "z": z, "q": [0.0] * 4}
-    q = Pose(target.position_m, target.rotation).quaternion_xyzw
-    return {"x": x, "y": y, "z": z, "q": [q[3], q[0], q[1], q[2]]}

@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from padstudio.autopilot.vehicle import DOWNWARD, Mount, VehicleTrack
 from padstudio.errors import EmptyExportError, SpecError
 from padstudio.flights.exports.frames.cameras import FrameCameras
 from padstudio.flights.exports.frames.records import timed
-from padstudio.flights.exports.vehicle import DOWNWARD, Mount, VehicleTrack
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
 

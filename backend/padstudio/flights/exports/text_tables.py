@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
+import unicodedata
 from collections.abc import Iterable, Iterator
 
 from padstudio.flights.exports.options import ExportOptions, Record, full_poses, time_ns_of
@@ -58,8 +60,10 @@ _PLAIN = (
     "log10_false_alarm",
     "reprojection_px",
 )
-# A spreadsheet would take such a text for a formula.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+# A spreadsheet would take such a text for a formula, behind blanks and what nobody sees as well.
+_FORMULA = re.compile(
+    r"[\t\r\n]|[\s\x00-\x1f\x7f-\x9f\u00ad\u200b-\u200f\u2060\ufeff]*[=+\-\u2212@]"
+)
 
 
 def write_csv(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:
@@ -68,7 +72,7 @@ def write_csv(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
     writer = csv.writer(line)
     writer.writerow(COLUMNS)
     for record in records:
-        writer.writerow(_row(record, options.name_of(record)))
+        writer.writerow(map(_text, _row(record, options.name_of(record))))
         yield line.getvalue().encode()
         line.seek(0)
         line.truncate()
@@ -77,7 +81,7 @@ def write_csv(records: Iterable[Record], options: ExportOptions) -> Iterator[byt
 
 def _row(record: Record, source: str) -> list[object]:
     return [
-        _text(source),
+        source,
         record["frame"],
         record.get("time_s"),
         record["status"],
@@ -91,7 +95,7 @@ def _row(record: Record, source: str) -> list[object]:
         record.get("bearing_sigma_deg"),
         record.get("stage"),
         record.get("reason"),
-        _text(record.get("detail")),
+        record.get("detail"),
         (record.get("elapsed_ms") or {}).get("total"),
         record.get("estimate"),
         record.get("pad_id"),
@@ -103,7 +107,10 @@ def _numbers(record: Record, key: str, count: int) -> list[float | None]:
 
 
 def _text(value: object) -> object:
-    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
+    # Full-width and small signs are signs, too (NFKC).
+    is_text = isinstance(value, str)
+    is_formula = is_text and _FORMULA.match(unicodedata.normalize("NFKC", str(value)))
+    return f"'{value}" if is_formula else value
 
 
 def write_jsonl(records: Iterable[Record], options: ExportOptions) -> Iterator[bytes]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Any, TypeVar
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
 from padstudio.vision.detector import Detector
@@ -87,7 +88,7 @@ def params_of_words(words: Iterable[str]) -> dict[str, Any]:
                 value = None
         if not equals or value is None:
             raise SpecError(
-                f"{word!r} sets no parameter; write NAME=VALUE, as search.least_step=0.4 or "
+                f"{shown(word)} sets no parameter; write NAME=VALUE, as search.least_step=0.4 or "
                 "refine.motion=off",
                 code="invalid_parameter",
             )
@@ -126,14 +127,17 @@ def _changed(params: ParamsT, values: Mapping[str, Any], place: str) -> ParamsT:
 def _typed(value: Any, default: Any, where: str) -> Any:
     """A value of its default's type; JSON does not tell 2.0 from 2."""
     kind = type(default)
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if kind is float and number:
-        return float(value)
-    if kind is int and number and float(value).is_integer():
-        return int(value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        # Whole numbers of JSON may be beyond what floats reach.
+        with suppress(OverflowError):
+            number = float(value)
+            if kind is float:
+                return number
+            if kind is int and number.is_integer():
+                return int(value)
     if type(value) is kind and kind not in (int, float):
         return value
     raise SpecError(
-        f"parameter {where} is {value!r}; it must be of type {kind.__name__}",
+        f"parameter {where} is {shown(value)}; it must be of type {kind.__name__}",
         code="invalid_parameter",
     )

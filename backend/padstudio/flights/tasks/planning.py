@@ -23,6 +23,11 @@ _LEAST_STRIDED_FRAMES = 10
 _SHORT_FLIGHT_CHUNKS = 8
 # No chunk holds more than this share of the frames that are left, so that workers end together.
 _SHARE_OF_REST = 1 / 4
+# Frames between two keyframes that are this many times too many are parted all the same: whoever
+# works on a later part decodes those before it once more. In so few parts, that costs at the most
+# about what detection does, and several workers share both.
+_TOO_LONG = 2
+_MOST_PARTS = 8
 
 
 @dataclass(frozen=True)
@@ -251,7 +256,8 @@ def _by_keyframe(
 ) -> Iterator[NDArray[np.int64]]:
     """Runs of frame numbers that start where decoding can, each about `chunk_frames` long.
 
-    They become shorter toward the end (guided self-scheduling, Polychronopoulos and Kuck 1987,
+    Where keyframes are too far apart for that, they start between them, too. They
+    become shorter toward the end (guided self-scheduling, Polychronopoulos and Kuck 1987,
     doi:10.1109/TC.1987.5009495); `left` frames are these and all behind them.
     """
     group = np.searchsorted(keyframes, numbers, side="right")
@@ -259,7 +265,14 @@ def _by_keyframe(
     for place in np.flatnonzero(np.diff(group)) + 1:
         rest = int(_SHARE_OF_REST * (left - start))
         if place - start >= min(chunk_frames, max(_LEAST_FRAMES, rest)):
-            yield numbers[start:place]
+            yield from _parted(numbers[start:place], chunk_frames)
             start = int(place)
     if start < len(numbers):
-        yield numbers[start:]
+        yield from _parted(numbers[start:], chunk_frames)
+
+
+def _parted(numbers: NDArray[np.int64], chunk_frames: int) -> list[NDArray[np.int64]]:
+    """A run as it is, or parts of one that is much too long."""
+    if len(numbers) <= _TOO_LONG * chunk_frames:
+        return [numbers]
+    return np.array_split(numbers, min(_MOST_PARTS, len(numbers) // chunk_frames))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
-from padstudio.errors import SpecError
+from padstudio.errors import SpecError, shown
 
 Record = dict[str, Any]
 
@@ -31,7 +31,7 @@ def check_pad(form: str, pads: Collection[str], chosen: str | None) -> None:
     listed = ", ".join(sorted(pads))
     if chosen is not None and chosen not in pads:
         raise SpecError(
-            f"there is no pad {chosen!r} among {listed or 'the poses'}; choose one of them",
+            f"there is no pad {shown(chosen)} among {listed or 'the poses'}; choose one of them",
             code="unknown_pad",
         )
     if chosen is None and len(pads) > 1 and form not in ANY_PADS:

@@ -1,0 +1,1 @@
+"""What a live session recorded, as a flight whose poses are there already."""
