@@ -161,5 +161,5 @@ def test_databases_that_cannot_be_opened(tmp_path: Path, url: str) -> None:
 
 def test_a_file_that_is_no_database(tmp_path: Path) -> None:
     (tmp_path / "padstudio.db").write_bytes(b"not a database at all" * 100)
-    with pytest.raises(StorageError, match="cannot open"):
+    with pytest.raises(StorageError, match="is damaged"):
         Store(tmp_path)

@@ -70,3 +70,16 @@ def allocate(size_bytes: int) -> int:
 
 def give_what_cannot_be_sent() -> object:
     return lambda: None
+
+
+def call_a_new_loop() -> int:
+    """The value of a loop that no process has compiled before."""
+    from padstudio.compiled import jit
+
+    def total(end: int) -> int:
+        found = 0
+        for k in range(end):
+            found += k
+        return found
+
+    return int(jit(total)(10))

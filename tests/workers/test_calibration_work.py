@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from padstudio.errors import ConflictError
-from padstudio.workers import calibrations
-from padstudio.workers.calibrations import STOP, calibrate_pictures, steps_of
+from padstudio.workers import steps
+from padstudio.workers.cameras import calibrate_pictures
+from padstudio.workers.steps import STOP, steps_of
 
 
 @pytest.mark.parametrize("by", ["a word", "its folder's end"])
@@ -35,7 +36,7 @@ def test_it_stops_between_pictures(
             shutil.rmtree(folder)
         return False
 
-    monkeypatch.setattr(calibrations, "checkpoint", checkpoint)
+    monkeypatch.setattr(steps, "checkpoint", checkpoint)
     with pytest.raises(ConflictError, match="stopped") as caught:
         calibrate_pictures("never read", files, ("radtan",), 10**6, folder)
     assert caught.value.error_code == "cancelled"

@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,7 +25,7 @@ from padstudio.errors import (
 )
 from padstudio.workers.inside import Limits
 from padstudio.workers.pool import WorkerPool
-from padstudio.workers.process import Call, TaskLostError
+from padstudio.workers.process import Call, NoWorkerError, TaskLostError
 
 MEMORY_BYTES = 1_000_000_000
 LIMITS = Limits(MEMORY_BYTES)
@@ -39,6 +40,10 @@ def pool() -> Iterator[WorkerPool]:
 
 def _pid(pool: WorkerPool) -> int:
     return pool.submit(worker_jobs.identify, 0, timeout_s=30).result()[1]
+
+
+def _pid_of_task(pool: WorkerPool) -> int:
+    return int(pool.start(worker_jobs.identify, 0).future.result()[1])
 
 
 def test_calls_share_a_process_of_their_own(pool: WorkerPool) -> None:
@@ -83,6 +88,49 @@ def test_work_beyond_its_time_is_ended(pool: WorkerPool) -> None:
     assert _pid(pool) != before
     with pytest.raises(ProcessLookupError):
         os.kill(before, 0)
+
+
+def test_a_call_that_was_cut_leaves_a_warm_process_behind(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("WARMED_FOLDER", str(tmp_path))
+    pool = WorkerPool(1, LIMITS, 5, warming=["worker_warming"])
+    try:
+        before = _pid(pool)
+        with pytest.raises(TimeLimitError):
+            pool.submit(worker_jobs.wait, 600, timeout_s=0.01).result()
+        # Nobody asks anything of it meanwhile.
+        while not (warm := {int(path.name) for path in tmp_path.iterdir()} - {before}):
+            time.sleep(0.01)
+        (now,) = warm
+        assert _pid(pool) == now
+    finally:
+        pool.close()
+
+
+def test_limits_count_neither_a_start_nor_imports_nor_compiling(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    pool = WorkerPool(1, LIMITS, 5)
+    try:
+        # Importing Numba and compiling take a second; the call itself takes none.
+        assert pool.submit(worker_jobs.call_a_new_loop, timeout_s=0.5).result() == 45
+        task = pool.start(worker_jobs.call_a_new_loop, timeout_s=0.5)
+        assert task.future.result() == 45
+    finally:
+        pool.close()
+
+
+def test_processes_are_let_go_while_there_is_nothing_to_do() -> None:
+    pool = WorkerPool(2, LIMITS, 5, idle_s=0.0)
+    try:
+        for start in (_pid, _pid_of_task):
+            pid = start(pool)
+            while psutil.pid_exists(pid):
+                time.sleep(0.01)
+    finally:
+        pool.close()
 
 
 if sys.platform == "linux":  # other systems do not enforce the limit
@@ -213,22 +261,80 @@ def test_a_process_ends_with_its_server_also_in_the_middle_of_a_step() -> None:
     worker.wait(30)
 
 
+@pytest.mark.parametrize(
+    "fault",
+    [
+        OSError(errno.EMFILE, "Too many open files"),
+        BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable"),
+        MemoryError(),
+        RuntimeError("no more of them"),
+    ],
+    ids=lambda fault: type(fault).__name__,
+)
 def test_a_process_that_cannot_be_started_costs_its_caller_an_error_alone(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
     def fail(*_: object) -> None:
-        raise OSError(errno.EMFILE, "Too many open files")
+        raise fault
 
     pool = WorkerPool(1, LIMITS, 5)
     try:
         with monkeypatch.context() as patch:
-            patch.setattr("padstudio.workers.pool.Process", fail)
-            with pytest.raises(WorkerCrashError, match="Too many open files"):
-                pool.submit(worker_jobs.identify, 1, timeout_s=30).result(timeout=30)
-            with pytest.raises(TaskLostError, match="try again"):
-                pool.start(worker_jobs.identify, 2).future.result(timeout=30)
+            patch.setattr("padstudio.workers.worker.Process", fail)
+            refused = pool.submit(worker_jobs.identify, 1, timeout_s=30).exception(timeout=30)
+            assert isinstance(refused, NoWorkerError)
+            assert (refused.status, refused.error_code) == (503, "no_worker")
+            assert (getattr(fault, "strerror", None) or str(fault)) in refused.message
+            lost = pool.start(worker_jobs.identify, 2).future.exception(timeout=30)
+            assert isinstance(lost, TaskLostError)
+            assert pool.trouble == lost.message
         assert pool.submit(worker_jobs.identify, 3, timeout_s=30).result(timeout=60)[0] == 3
         assert pool.start(worker_jobs.identify, 4).future.result(timeout=60)[0] == 4
+        assert (pool.free, pool.trouble) == (1, None)
+    finally:
+        pool.close()
+
+
+@pytest.mark.parametrize("at", [1, 2])
+def test_threads_that_cannot_be_started_cost_the_caller_an_error_alone(
+    monkeypatch: pytest.MonkeyPatch, at: int
+) -> None:
+    starts: list[object] = []
+
+    class Thread(threading.Thread):
+        def start(self) -> None:
+            starts.append(self)
+            if len(starts) >= at:
+                raise RuntimeError("can't start new thread")
+            super().start()
+
+    pool = WorkerPool(1, LIMITS, 0)
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr(threading, "Thread", Thread)
+            # More often than there is room: a refused call takes none.
+            for _ in range(3):
+                with pytest.raises(NoWorkerError, match="can't start new thread"):
+                    pool.submit(worker_jobs.identify, 1, timeout_s=30)
+            with pytest.raises(NoWorkerError):
+                pool.start(worker_jobs.identify, 2)
+            pool.warm_up()
+        assert pool.free == 1
+        assert pool.submit(worker_jobs.identify, 3, timeout_s=30).result(timeout=60)[0] == 3
+        assert pool.start(worker_jobs.identify, 4).future.result(timeout=60)[0] == 4
+    finally:
+        pool.close()
+
+
+def test_a_process_that_dies_as_it_starts_is_no_fault_of_its_call() -> None:
+    # Too little for an interpreter.
+    pool = WorkerPool(1, Limits(1_000_000), 5, warming=["no_such_module"])
+    try:
+        refused = pool.submit(worker_jobs.identify, 1, timeout_s=30).exception(timeout=60)
+        assert isinstance(refused, NoWorkerError), refused
+        lost = pool.start(worker_jobs.identify, 2).future.exception(timeout=60)
+        assert isinstance(lost, NoWorkerError), lost
+        assert pool.trouble == lost.message
         assert pool.free == 1
     finally:
         pool.close()

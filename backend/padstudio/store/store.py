@@ -15,13 +15,14 @@ from typing import Any, Generic, TypeVar
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session, sessionmaker, undefer
 
-from padstudio.errors import ConflictError, NotFoundError
+from padstudio.errors import ConflictError, NotFoundError, shown
 from padstudio.store.database.data_folder import DataFolder
 from padstudio.store.database.data_folder import new_id as new_id
-from padstudio.store.database.engine import Sessions, open_database
+from padstudio.store.database.engine import Sessions, open_database, sqlite_url
 from padstudio.store.database.presets import Presets
 from padstudio.store.database.tables import CameraRow, PadRow
 from padstudio.store.database.traces import Traces
+from padstudio.store.experiments import Experiments
 from padstudio.store.uploads.limits import UploadLimits
 from padstudio.store.uploads.uploads import Uploads
 
@@ -141,7 +142,7 @@ class Shelf(Generic[RowT]):
 
     def _ambiguous(self, name: str) -> ConflictError:
         return ConflictError(
-            f"several {self._word}s are called {name!r}; name one by its id, as the list of "
+            f"several {self._word}s are called {shown(name)}; name one by its id, as the list of "
             f"{self._word}s has it, or rename them",
             code="ambiguous_name",
         )
@@ -158,6 +159,8 @@ class Store:
         None is SQLite in the data folder.
     keep_traces, keep_trace_bytes : int
         The oldest traces go where there are more, or where they take more.
+    keep_experiments : int
+        The oldest experiments go where there are more.
     upload_limits : UploadLimits or None
 
     Attributes
@@ -167,6 +170,7 @@ class Store:
     traces : Traces
     presets : Presets
     uploads : Uploads
+    experiments : Experiments
     session : sessionmaker
         Of the database, for the flights in it.
 
@@ -183,11 +187,12 @@ class Store:
         *,
         keep_traces: int = 200,
         keep_trace_bytes: int = 4_000_000_000,
+        keep_experiments: int = 50,
         upload_limits: UploadLimits | None = None,
     ) -> None:
         self.folder = DataFolder(root)
         try:
-            self._engine = open_database(database_url or f"sqlite:///{root / 'padstudio.db'}")
+            self._engine = open_database(database_url or sqlite_url(root / "padstudio.db"))
         except BaseException:
             self.folder.close()
             raise
@@ -199,6 +204,7 @@ class Store:
         )
         self.presets = Presets(session)
         self.uploads = Uploads(self.folder.uploads, session, upload_limits)
+        self.experiments = Experiments(self.folder.experiments, keep=keep_experiments)
 
     def close(self) -> None:
         """Close the database and release the folder."""

@@ -2,29 +2,40 @@
 
 A process does one thing at a time. Somebody waits for the answer to a *request*; a *task* may take
 minutes, and calls `checkpoint` between its steps, where a request that waits is answered before
-the task goes on. Two pipes lead to the pool, one for each.
+the task goes on. Two pipes lead to the pool, one for each. On them the process also says when it
+gets a call ready, is at work on it or lays it aside (`padstudio.workers.work_clock`), so that
+limits count work alone.
 """
 
 from __future__ import annotations
 
 import ctypes
+import logging
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
+from padstudio.compiled import watch_preparing
 from padstudio.errors import LimitError, StudioError, full_disk
+from padstudio.workers.work_clock import State, own_s
 
 #: What the process says on the pipe of requests: it is between two steps, and takes one.
 READY = "ready"
+#: What the pool sends in place of a call that is gone.
+NOTHING = b""
 # A look at the pipes takes 20 us; a step of a task may be shorter than that.
 _LOOK_EVERY_S = 0.005
 # After so long without work, memory that is free goes back to the system.
@@ -35,6 +46,7 @@ _IDLE_S = 1.0
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _KEEP_BYTES = -1, -3, 1 << 28
 _ARENA_MAX, _ARENAS = -8, 1
 
+logger = logging.getLogger(__name__)
 _here: _Here | None = None
 
 
@@ -65,15 +77,31 @@ def checkpoint() -> bool:
     return _here is not None and _here.checkpoint()
 
 
-def serve(requests: Connection, tasks: Connection, limits: Limits) -> None:
-    """The process: answers and works until its pipes close."""
+def serve(
+    requests: Connection, tasks: Connection, limits: Limits, warming: Sequence[str] = ()
+) -> None:
+    """The process: answers and works until its pipes close.
+
+    Parameters
+    ----------
+    requests, tasks : Connection
+    limits : Limits
+    warming : sequence of str
+        Modules whose ``steps`` it takes, one at a time, while nobody asks anything of it.
+    """
     global _here
+    settle(limits)
+    _here = _Here(requests, tasks, warming)
+    watch_preparing(_here.prepare)
+    _here.serve()
+
+
+def settle(limits: Limits) -> None:
+    """Keep this process within its limits, and end it with the one that started it."""
     # Ctrl-C reaches the whole group; the server ends its workers itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _limit(limits)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    _here = _Here(requests, tasks)
-    _here.serve()
 
 
 def _end_with_parent() -> None:
@@ -84,21 +112,47 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
+class _Reporter:
+    """Says on a call's pipe what becomes of it; from any thread, and nothing once it is over."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe, self._lock = pipe, threading.Lock()
+        self._is_over = False
+
+    def tell(self, state: State) -> None:
+        with self._lock:
+            if not self._is_over:
+                self._pipe.send((state, own_s()))
+
+    def end(self, outcome: bytes) -> None:
+        with self._lock:
+            self._is_over = True
+            self._pipe.send_bytes(outcome)
+
+
 class _Here:
     """The pipes of this process, and what it is at."""
 
-    def __init__(self, requests: Connection, tasks: Connection) -> None:
+    def __init__(self, requests: Connection, tasks: Connection, warming: Sequence[str]) -> None:
         self._requests, self._tasks = requests, tasks
+        self._warming = deque(warming)
+        self._steps: Iterator[object] | None = None
+        self._calls: list[_Reporter] = []
         self._task: int | None = None
         self._is_stopped = self._is_answering = False
         self._looked_s = 0.0
+        self._preparing = 0
+        self._counting = threading.Lock()
 
     def serve(self) -> None:
         is_idle = True
         while True:
-            ready = wait([self._requests, self._tasks], None if is_idle else _IDLE_S)
+            wait_s = 0 if self._warming else None if is_idle else _IDLE_S
+            ready = wait([self._requests, self._tasks], wait_s)
             is_idle = not ready
-            if is_idle:
+            if self._warming and is_idle:
+                self._warm()
+            elif is_idle:
                 _give_memory_back()
             try:
                 if self._requests in ready:
@@ -107,6 +161,20 @@ class _Here:
                     self._do_task()
             except (EOFError, OSError):
                 return
+
+    def _warm(self) -> None:
+        """One step of what is to be made ready; who needs it later meets its defect, if any."""
+        try:
+            if self._steps is None:
+                self._steps = iter(import_module(self._warming[0]).steps())
+            next(self._steps)
+            return
+        except StopIteration:
+            pass
+        except Exception:
+            logger.exception("a worker could not be warmed up by %s", self._warming[0])
+        self._warming.popleft()
+        self._steps = None
 
     def checkpoint(self) -> bool:
         now_s = time.monotonic()
@@ -123,30 +191,54 @@ class _Here:
         self._looked_s = time.monotonic()
         return self._is_stopped
 
+    def prepare(self, begins: bool) -> None:
+        """Loops begin, or cease, to be made ready for the call at hand."""
+        with self._counting:
+            self._preparing += 1 if begins else -1
+            calls = self._calls[-1:] if self._preparing == begins else []
+        for call in calls:
+            # Where nobody listens any more, the call itself finds out.
+            with suppress(OSError):
+                call.tell("prepares" if begins else "at_work")
+
     def _answer_request(self) -> None:
         """Say that this process takes a request; it may be gone by then."""
         self._requests.recv()
         self._requests.send(READY)
-        call = self._requests.recv()
-        if call is not None:
+        packed = self._requests.recv_bytes()
+        if packed != NOTHING:
             self._is_answering = True
             try:
-                self._requests.send_bytes(_outcome(*call))
+                self._perform(self._requests, packed)
             finally:
                 self._is_answering = False
 
     def _do_task(self) -> None:
-        number, *call = self._tasks.recv()
-        if not call:
+        number, packed = self._tasks.recv()
+        if packed is None:
             return  # told to stop when it was over already
         self._task, self._is_stopped = number, False
-        self._tasks.send_bytes(_outcome(*call))
+        self._perform(self._tasks, packed)
         self._task = None
 
+    def _perform(self, pipe: Connection, packed: bytes) -> None:
+        """Call a function, and say what comes of it; another call at hand is laid aside."""
+        call = _Reporter(pipe)
+        for other in self._calls:
+            other.tell("aside")
+        self._calls.append(call)
+        call.end(_outcome(packed, lambda: call.tell("at_work")))
+        self._calls.remove(call)
+        for other in self._calls:
+            other.tell("at_work")
 
-def _outcome(function: Callable[..., Any], args: tuple[Any, ...]) -> bytes:
+
+def _outcome(packed: bytes, begins: Callable[[], None]) -> bytes:
     """What comes of a call, pickled; a value that cannot be is a defect like others."""
     try:
+        # Imports whatever the function needs.
+        function, args = pickle.loads(packed)
+        begins()
         return bytes(ForkingPickler.dumps(_called(function, args)))
     except Exception:
         return bytes(ForkingPickler.dumps(("defect", traceback.format_exc())))
@@ -156,7 +248,7 @@ def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, A
     try:
         return "value", function(*args)
     except StudioError as error:
-        return "error", _portable(error)
+        return "error", portable(error)
     except Exception as error:
         known = known_fault(error)
         return ("error", known) if known else ("defect", traceback.format_exc())
@@ -172,7 +264,7 @@ def known_fault(error: Exception) -> StudioError | None:
     return full_disk(error)
 
 
-def _portable(error: StudioError) -> StudioError:
+def portable(error: StudioError) -> StudioError:
     """The error as its nearest class of `padstudio.errors`; others need not survive pickling."""
     for base in type(error).__mro__:
         if issubclass(base, StudioError) and base.__module__ == StudioError.__module__:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import threading
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,13 +16,34 @@ from typing import Any
 from padstudio.errors import TimeLimitError, WorkerCrashError
 from padstudio.workers import inside
 from padstudio.workers.inside import Limits
+from padstudio.workers.work_clock import WorkClock, own_s
 
 # A fork of a threaded server may inherit locks that nobody will release.
 _context = multiprocessing.get_context("spawn")
 
 
+#: What the system may answer to who asks for a process or a thread.
+NO_ROOM = (OSError, MemoryError, RuntimeError)
+
+
 class TaskLostError(WorkerCrashError):
     """The process died of a request that it answered between two steps of the task."""
+
+
+class NoWorkerError(TaskLostError):
+    """The system has no room for a process, or for the threads that drive it, at present."""
+
+    code = "no_worker"
+    status = 503
+
+    @classmethod
+    def of(cls, why: Exception | str) -> NoWorkerError:
+        """With the system's reason, as told to whoever waits."""
+        why = getattr(why, "strerror", None) or str(why) or "no memory is left"
+        return cls(
+            f"no worker process can be started ({why}); free some memory, or close other "
+            "programs, and try again"
+        )
 
 
 @dataclass(eq=False)
@@ -60,17 +80,17 @@ class Call:
 class Process:
     """One process and the pipes to it; a thread drives each."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, warming: Sequence[str] = ()) -> None:
         self._requests, requests = _context.Pipe()
         self._tasks, tasks = _context.Pipe()
         self._process = _context.Process(
-            target=inside.serve, args=(requests, tasks, limits), daemon=True
+            target=inside.serve, args=(requests, tasks, limits, warming), daemon=True
         )
         self._process.start()
         requests.close()
         tasks.close()
         self._ending, self._telling = threading.Lock(), threading.Lock()
-        self._is_over = self._is_answering = False
+        self._is_over = self._is_answering = self._is_up = False
 
     def is_alive(self) -> bool:
         """False where it died or was ended."""
@@ -89,7 +109,8 @@ class Process:
         """Wait until it can take a request; False where it died before."""
         try:
             self._requests.send(None)
-            return bool(self._requests.recv() == inside.READY)
+            self._is_up = bool(self._requests.recv() == inside.READY)
+            return self._is_up
         except (EOFError, OSError):
             self.end()
             return False
@@ -97,12 +118,12 @@ class Process:
     def withdraw_request(self) -> None:
         """Say that there is none after all."""
         with contextlib.suppress(OSError):
-            self._requests.send(None)
+            self._requests.send_bytes(inside.NOTHING)
 
     def answer(self, call: Call) -> Any:
         """What comes of a request that it is ready to take."""
         try:
-            data = ForkingPickler.dumps((call.function, call.args))
+            data = _packed(call)
         except BaseException:
             self.withdraw_request()
             raise
@@ -116,9 +137,11 @@ class Process:
 
     def do_task(self, call: Call) -> Any:
         """What comes of a task."""
-        message = (id(call), call.function, call.args)
+        message = (id(call), _packed(call))
         try:
             kind, value = self._reply(self._tasks, lambda: self._tell(message, call), call)
+        except NoWorkerError:
+            raise
         except WorkerCrashError as error:
             raise TaskLostError(error.message) if self._is_answering else error from error
         return _value(kind, value, call)
@@ -126,7 +149,7 @@ class Process:
     def tell_to_stop(self, call: Call) -> None:
         """Tell it to end a task at its next step; one that is over already does not mind."""
         with contextlib.suppress(OSError), self._telling:
-            self._tasks.send((id(call),))
+            self._tasks.send((id(call), None))
 
     def _tell(self, message: tuple[Any, ...], call: Call) -> None:
         with self._telling:
@@ -136,43 +159,42 @@ class Process:
 
     def _reply(self, pipe: Connection, send: Callable[[], None], call: Call) -> tuple[str, Any]:
         try:
+            clock = WorkClock(call.timeout_s, self._own_s())
             send()
-            if not self._wait(pipe, call.timeout_s):
-                self.end()
-                raise TimeLimitError(
-                    f"the work took longer than {call.timeout_s:g} s and was ended; try something "
-                    "smaller, or raise the limit in the settings"
-                )
-            found: tuple[str, Any] = pipe.recv()
+            while True:
+                if not self._wait(pipe, clock):
+                    self.end()
+                    raise TimeLimitError(
+                        f"the work took longer than {call.timeout_s:g} s and was ended; try "
+                        "something smaller, or raise the limit in the settings"
+                    )
+                kind, value = pipe.recv()
+                self._is_up = True
+                if kind in ("value", "error", "defect"):
+                    return kind, value
+                clock.turn(kind, value)
         except (EOFError, OSError) as error:
             self.end()
+            if not self._is_up:
+                raise NoWorkerError.of("it ended before it was ready") from error
             raise WorkerCrashError(
                 "the process that worked on this died, most likely for lack of memory or of a "
                 "damaged file; try a smaller or repaired one"
             ) from error
-        return found
 
-    def _wait(self, pipe: Connection, timeout_s: float | None) -> bool:
-        """Wait for a reply; False where the work took its time.
-
-        What the process waits for a core is not its work: a busy machine answers late.
-        """
-        if timeout_s is None:
-            return pipe.poll(None)
-        end_s = time.monotonic() + timeout_s - self._queued_s()
-        while (left_s := end_s + self._queued_s() - time.monotonic()) > 0:
+    def _wait(self, pipe: Connection, clock: WorkClock) -> bool:
+        """Wait until the process says something; False where its time is over before."""
+        while (left_s := clock.left_s(self._own_s())) is not None and left_s > 0:
             if pipe.poll(left_s):
                 return True
-        return False
+        return pipe.poll(None if left_s is None else 0)
 
-    def _queued_s(self) -> float:
-        """Seconds that the process was ready and had no core, on Linux; else 0."""
-        try:
-            # proc(5) leaves it out: time on a core, time waiting for one, in ns, and turns.
-            with open(f"/proc/{self._process.pid}/schedstat", encoding="ascii") as file:
-                return int(file.read().split()[1]) / 1e9
-        except (OSError, ValueError, IndexError):
-            return 0.0
+    def _own_s(self) -> float:
+        return own_s(self._process.pid)
+
+
+def _packed(call: Call) -> bytes:
+    return bytes(ForkingPickler.dumps((call.function, call.args)))
 
 
 def _value(kind: str, value: Any, call: Call) -> Any:

@@ -81,5 +81,5 @@ def test_faults_are_told_by_name(says: str, code: str, status: int) -> None:
 
 
 def test_a_server_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(StorageError, match="cannot open the database"):
+    with pytest.raises(StorageError, match="cannot be opened"):
         open_database(f"postgres://padstudio@/none?host={tmp_path}")

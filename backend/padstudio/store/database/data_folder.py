@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import secrets
 import shutil
@@ -29,6 +30,10 @@ class DataFolder:
         Work in progress; emptied when the folder is opened.
     uploads : Path
         What was uploaded, whole and in part.
+    live : Path
+        One folder a live session's recording, named by its id.
+    experiments : Path
+        One folder an experiment, named by its id.
 
     Raises
     ------
@@ -40,17 +45,21 @@ class DataFolder:
 
     def __init__(self, root: Path) -> None:
         self.root, self.traces, self.work = root, root / "traces", root / "work"
-        self.uploads = root / "uploads"
+        self.uploads, self.live = root / "uploads", root / "live"
+        self.experiments = root / "experiments"
         try:
             root.mkdir(mode=0o700, parents=True, exist_ok=True)
             self.traces.mkdir(exist_ok=True)
             self.work.mkdir(exist_ok=True)
             self.uploads.mkdir(exist_ok=True)
+            self.live.mkdir(exist_ok=True)
+            self.experiments.mkdir(exist_ok=True)
             self._lock: IO[bytes] = (root / "lock").open("ab")
         except OSError as error:
             raise StorageError(
-                f"cannot use the data folder {root}: {error.strerror}; choose another with --data "
-                "or PADSTUDIO_DATA"
+                f"cannot use the data folder {root}: {_why(error)}; choose another with --data "
+                "or PADSTUDIO_DATA",
+                code="data_folder_unusable",
             ) from error
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -71,6 +80,14 @@ class DataFolder:
     def work_folder(self) -> Path:
         """A new empty folder in `work`; the caller removes or moves it."""
         return Path(tempfile.mkdtemp(dir=self.work))
+
+
+def _why(error: OSError) -> str:
+    if isinstance(error, FileExistsError | NotADirectoryError):
+        return "it, or what it lies in, is a file"
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return "it cannot be written"
+    return error.strerror or str(error)
 
 
 def new_id() -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, inspect, make_url, text
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session, sessionmaker
 
@@ -23,6 +23,11 @@ NEWEST_REVISION = "0009"
 _migrating = threading.Lock()
 _MIGRATIONS = Path(__file__).parents[1] / "migrations"
 _WRITING = {"padstudio_writing": True}
+# A PostgreSQL that does not answer is waited for so long, s.
+_CONNECT_S = "10"
+# What SQLite says of files that it cannot read, and both databases of tables in their way.
+_DAMAGED = ("file is not a database", "malformed", "file is encrypted")
+_FOREIGN = ("already exists", "no such column", "no such table", "UndefinedColumn")
 
 
 class Sessions(sessionmaker[Session]):
@@ -51,23 +56,35 @@ class Sessions(sessionmaker[Session]):
             yield session
 
 
-def open_database(url: str) -> Engine:
+def sqlite_url(path: Path) -> URL:
+    """The address of a database in a file, whatever the path is called."""
+    return URL.create("sqlite", database=str(path))
+
+
+def open_database(url: str | URL) -> Engine:
     """Connect to a database and migrate it.
 
     Parameters
     ----------
-    url : str
+    url : str or URL
         SQLAlchemy URL; ``postgresql://`` takes psycopg.
 
     Raises
     ------
     StorageError
-        If it cannot be opened, or was written by a later version of the program.
+        If it cannot be opened, is no database of ours, or was written by a later version of the
+        program.
     """
     try:
         address = _with_driver(make_url(url))
         # A database server may have been restarted since a connection was last used.
         engine = create_engine(address, pool_pre_ping=address.get_backend_name() != "sqlite")
+    except ArgumentError as error:
+        raise StorageError(
+            "PADSTUDIO_DATABASE_URL is no address of a database; write it as "
+            "postgresql://user:password@host/name",
+            code="invalid_database_url",
+        ) from error
     except ModuleNotFoundError as error:
         raise StorageError(
             f"the database needs a further package ({error}): pip install padstudio[postgresql]"
@@ -81,8 +98,39 @@ def open_database(url: str) -> Engine:
         _migrate(engine)
     except SQLAlchemyError as error:
         engine.dispose()
-        raise StorageError(f"cannot open the database: {error}") from error
+        raise _unusable(error, address) from error
+    except StorageError:
+        engine.dispose()
+        raise
     return engine
+
+
+def _unusable(error: SQLAlchemyError, address: URL) -> StorageError:
+    """Why a database cannot be opened, and what to do; never its password or a statement."""
+    cause = " ".join(str(error.__cause__ or error).split())
+    is_file = address.get_backend_name() == "sqlite"
+    host = address.host or address.query.get("host") or "this machine"
+    place = f"the database {address.database}" if is_file else f"the database at {host}"
+    if any(sign in cause for sign in _DAMAGED):
+        return StorageError(
+            f"{place} is damaged, or no database: put a copy of it from before back, or move it "
+            "away to begin with an empty one",
+            code="database_damaged",
+        )
+    if any(sign in cause for sign in _FOREIGN):
+        return StorageError(
+            f"{place} holds tables that are not Pad Studio's ({cause}); choose another database",
+            code="foreign_database",
+        )
+    advice = (
+        "see that its folder exists and can be written"
+        if is_file
+        else "see that the server runs, that PADSTUDIO_DATABASE_URL names it rightly, and that the "
+        "user may make tables"
+    )
+    return StorageError(
+        f"{place} cannot be opened ({cause}); {advice}", code="database_unreachable"
+    )
 
 
 def storage_error(error: SQLAlchemyError) -> StorageError | BusyError:
@@ -106,8 +154,11 @@ def storage_error(error: SQLAlchemyError) -> StorageError | BusyError:
 
 def _with_driver(url: URL) -> URL:
     """A URL that names no driver for PostgreSQL gets the one that we depend on."""
-    plain = url.drivername in ("postgresql", "postgres")
-    return url.set(drivername="postgresql+psycopg") if plain else url
+    if url.drivername in ("postgresql", "postgres"):
+        url = url.set(drivername="postgresql+psycopg")
+    if url.drivername == "postgresql+psycopg" and "connect_timeout" not in url.query:
+        url = url.update_query_dict({"connect_timeout": _CONNECT_S})
+    return url
 
 
 def _prepare_sqlite(connection: Any, _record: object) -> None:
@@ -145,7 +196,8 @@ def _migrate(engine: Engine) -> None:
         except CommandError as error:
             raise StorageError(
                 "the database was written by a later version of Pad Studio; update the program, "
-                f"or choose another data folder ({error})"
+                f"or choose another data folder ({error})",
+                code="newer_database",
             ) from error
 
 

@@ -87,6 +87,7 @@ class ChunkRow(Base):
     attempt: Mapped[int] = mapped_column(Integer, default=0)
     #: Attempts that ended in a dead or hanging worker.
     failures: Mapped[int] = mapped_column(Integer, default=0)
+    #: For who looks; the server itself goes by a clock that nobody sets.
     lease_until: Mapped[datetime | None] = mapped_column(UtcDateTime)
     source: Mapped[int] = mapped_column(Integer, default=0)
     first_frame: Mapped[int] = mapped_column(Integer, default=0)

@@ -9,6 +9,7 @@ from pathlib import Path
 from padstudio.errors import BusyError, LimitError, StorageError
 from padstudio.media import content, images, zip_stills
 from padstudio.media.content import Content
+from padstudio.media.live_files import live_members
 from padstudio.media.recordings.folders import members_of
 from padstudio.media.zip_stills import ZipLimits
 from padstudio.store.uploads.files import read_head
@@ -30,6 +31,7 @@ class UploadLimits:
     expires_s : float
         An unfinished upload that gets no bytes for so long is removed.
     telemetry_bytes : int
+        Also of the texts of a live session's recording.
     still_pixels : int
     zip : ZipLimits
     """
@@ -53,7 +55,11 @@ def examine(path: Path, limits: UploadLimits) -> Content:
         decoded.
     """
     found, size_bytes = content.identify(read_head(path)), path.stat().st_size
-    most = {"still": images.MAX_BYTES, "telemetry": limits.telemetry_bytes}
+    most = {
+        "still": images.MAX_BYTES,
+        "telemetry": limits.telemetry_bytes,
+        "live": limits.telemetry_bytes,
+    }
     limit = most.get(found.kind, size_bytes)
     if size_bytes > limit:
         raise LimitError(
@@ -62,7 +68,9 @@ def examine(path: Path, limits: UploadLimits) -> Content:
     if found.kind == "still":
         images.read_header(path.read_bytes(), limits.still_pixels)
     elif found.kind == "stills":
-        if members_of(path, limits.zip):
+        if live_members(path, limits.zip):
+            found = content.LIVE_ZIP
+        elif members_of(path, limits.zip):
             found = content.BAG_ZIP
         else:
             zip_stills.list_stills(path, limits.zip)

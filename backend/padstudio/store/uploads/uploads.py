@@ -11,6 +11,7 @@ import threading
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import IO
 
 from sqlalchemy.orm import Session, sessionmaker
 
@@ -247,16 +248,31 @@ def upload_file(uploads: Uploads, path: Path, name: str) -> Upload:
     ContentError, LimitError, StorageError, BusyError
         As `Uploads.create` and `Uploads.finish`.
     """
-    upload = uploads.create(name, path.stat().st_size)
+    with path.open("rb") as file:
+        return upload_stream(uploads, file, path.stat().st_size, name)
+
+
+def upload_stream(uploads: Uploads, file: IO[bytes], size_bytes: int, name: str) -> Upload:
+    """As `upload_file`, of the first bytes of an open file.
+
+    Raises
+    ------
+    ContentError
+        Also if it is shorter.
+    """
+    upload = uploads.create(name, size_bytes)
     try:
         append = uploads.append(upload.id, 0)
+        left = size_bytes
         try:
-            with path.open("rb") as file:
-                while block := file.read(_BLOCK_BYTES):
-                    append.write(block)
+            while left and (block := file.read(min(left, _BLOCK_BYTES))):
+                append.write(block)
+                left -= len(block)
             append.commit()
         finally:
             append.close()
+        if left:
+            raise content.ContentError(f"{name} breaks off; send it again", code="damaged_zip")
     except BaseException:
         uploads.delete(upload.id)
         raise

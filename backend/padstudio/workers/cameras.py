@@ -1,4 +1,4 @@
-"""Calibrates a camera in a worker process, in a folder that the server watches."""
+"""Cameras in a worker process: read from files, calibrated in a folder that the server watches."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from padstudio.calibration.calibrate import calibrate
 from padstudio.calibration.pictures import residual_picture
 from padstudio.calibration.record import record
 from padstudio.calibration.sources import DecodedInTurn, read_pictures
-from padstudio.errors import ConflictError
+from padstudio.geometry.camera import Camera
 from padstudio.geometry.camera_files.parts.fields import LensModel
 from padstudio.pad.spec import Pad
 from padstudio.workers.inside import checkpoint
+from padstudio.workers.steps import reporter
 
-#: In the folder: steps done and in all; asked to stop.
-_STEPS, _WRITTEN, STOP = "steps", "steps.new", "stop"
 _QUALITY = 80
 
 
-class Steps(NamedTuple):
-    """How far a calibration is."""
+def read(data: bytes, name: str, no_distortion: bool, which: str | None) -> Camera:
+    """A camera from a file's content, which may cost any time and memory.
 
-    done: int
-    total: int
+    Parameters and errors are those of `Camera.loads`.
+    """
+    return Camera.loads(data, name, no_distortion=no_distortion, which=which)
 
 
 class Calibrated(NamedTuple):
@@ -64,14 +64,7 @@ def calibrate_pictures(
         As `padstudio.calibration.sources.read_pictures` and `calibrate`.
     """
 
-    def report(done: int, total: int) -> None:
-        # Who stops a calibration twice forgets it, and its folder.
-        if (folder / STOP).exists() or not folder.exists():
-            raise ConflictError("the calibration was stopped", code="cancelled")
-        # In its place at once: the server may look at any moment.
-        (folder / _WRITTEN).write_text(f"{done} {total}")
-        (folder / _WRITTEN).replace(folder / _STEPS)
-        checkpoint()
+    report = reporter(folder, "calibration")
 
     def read() -> None:
         report(0, 0)
@@ -89,12 +82,3 @@ def calibrate_pictures(
 def picture_file(folder: Path, number: int) -> Path:
     """Where a still's picture lies."""
     return folder / f"{number}.webp"
-
-
-def steps_of(folder: Path) -> Steps:
-    """How far a folder's calibration is; nothing in all while pictures are read."""
-    try:
-        done, total = (folder / _STEPS).read_text().split()
-    except FileNotFoundError:
-        return Steps(0, 0)
-    return Steps(int(done), int(total))
