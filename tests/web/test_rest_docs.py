@@ -14,7 +14,7 @@ from places import DOCS
 from padstudio import errors
 
 PAGE = DOCS / "rest.md"
-METHODS = ("get", "post", "put", "patch", "delete")
+METHODS = ("get", "post", "put", "patch", "delete", "head", "options")
 
 
 @pytest.fixture(scope="module")
@@ -54,12 +54,18 @@ def test_every_route_has_a_summary_an_example_and_the_error_shape(openapi: dict[
     for method, path, operation in _operations(openapi):
         place = f"{method} {path}"
         assert operation["summary"], place
+        if method == "HEAD":
+            assert not any("content" in answer for answer in operation["responses"].values())
+            continue
         good = [code for code in operation["responses"] if code.startswith("2")]
         contents = [operation["responses"][code].get("content", {}) for code in good]
         assert good == ["204"] or any(_has_example(openapi, c) for c in contents), place
-        for code in set(operation["responses"]) - set(good):
+        for code in set(operation["responses"]) - {*good, "304"}:
             schema = operation["responses"][code]["content"]["application/json"]["schema"]
             assert schema["$ref"].endswith("/ErrorBody"), place
+        # What stands in front of every route, or can befall it.
+        everywhere = {"400", "401", "403", "405", "413", "422", "500", "503", "507"}
+        assert everywhere <= set(operation["responses"]), place
 
 
 def test_every_json_body_has_an_example(openapi: dict[str, Any]) -> None:

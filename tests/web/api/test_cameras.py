@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -182,3 +184,17 @@ def test_cameras_survive_a_restart(tmp_path: Path) -> None:
         made = _import(client, CALIBRATION).json()
     with running(settings_for(tmp_path)) as client:
         assert client.get(CAMERAS).json() == {"items": [made], "total": 1}
+
+
+def test_costly_files_are_worked_beside_the_server(studio: httpx.Client) -> None:
+    """Sixteen at a time cost the server itself little, and others are answered meanwhile."""
+    lines = b"".join(b"k%d: {a: [1, 2]}\n" % number for number in range(6000))
+    sends = {"file": ("a.yaml", lines)}
+    studio.post("/api/v1/cameras", files={"file": ("a.yaml", b"a: 1")})
+    used_s = time.process_time()
+    with ThreadPoolExecutor(16) as senders:
+        answers = [senders.submit(studio.post, "/api/v1/cameras", files=sends) for _ in range(16)]
+        assert studio.get("/api/v1/health").status_code == 200
+    assert {answer.result().status_code for answer in answers} <= {422, 503}
+    # Read in this process, they would cost it more than a second.
+    assert time.process_time() - used_s < 1.0

@@ -105,7 +105,7 @@ def test_tilts_beyond_the_horizon_are_refused(
 ) -> None:
     query = {"camera": PRESET, "tilt_deg": 95}
     answer = studio.get(f"{PADS}/{pad_id}/coverage", params=query)
-    assert "0 … 89" in refused(answer, 422, "invalid_spec")["message"]
+    assert "at most 89" in refused(answer, 422, "invalid_request")["message"]
 
 
 def test_a_simulated_map_reads_where_the_chart_says(tmp_path: Path) -> None:
@@ -131,6 +131,6 @@ def test_maps_beyond_the_limit_are_refused_at_once(studio: httpx.Client, refused
     error = refused(answer, 413, "too_many_frames")
     assert error["detail"] == {"frames": 150, "limit": 100}
     body = {"camera": PRESET, "heights_mm": [-5], "values": [0]}
-    refused(studio.post(f"{PADS}/{made}/coverage", json=body), 422, "invalid_spec")
+    refused(studio.post(f"{PADS}/{made}/coverage", json=body), 422, "invalid_request")
     body = {"camera": PRESET, "heights_mm": [500], "values": [0]}
     refused(studio.post(f"{PADS}/none/coverage", json=body), 404, "not_found")

@@ -128,7 +128,7 @@ def test_ill_formed_pad_files_are_refused_with_the_place(
         ({"window": 40}, "window is 40; it must be at most 16"),
         ({"rows": 10**6, "cols": 10**6}, "rows is 1000000; it must be at most 4000"),
         ({"levels": 1}, "levels is 1; it must be at least 2"),
-        ({"cell_mm": 0}, "cell_mm is 0; it must be above 0"),
+        ({"cell_mm": 0}, "cell_mm is 0; it must be at least 0.01"),
         ({"unique": "never"}, "unique is 'never'; it must be 'rotation' or 'plain'"),
         ({"windows": 5}, "there is no such field"),
         ({"rows": 7.5}, "it must be a whole number"),

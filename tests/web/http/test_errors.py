@@ -11,7 +11,7 @@ import httpx
 import pytest
 from sqlalchemy.exc import IntegrityError, OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
-from web_server import settings_for
+from web_server import running, settings_for
 
 from padstudio.errors import BusyError, StudioError
 from padstudio.web.app import create_app
@@ -24,11 +24,26 @@ def test_unknown_addresses(studio: httpx.Client, refused: Refused) -> None:
         refused(studio.get(path), 404, "not_found")
 
 
-def test_methods_that_are_not_taken(studio: httpx.Client, refused: Refused) -> None:
-    answer = studio.put("/api/v1/pads", json={})
+@pytest.mark.parametrize(
+    ("path", "method", "taken"),
+    [
+        ("/api/v1/pads", "PUT", "GET, OPTIONS, POST"),
+        ("/api/v1/pads/none", "POST", "DELETE, GET, OPTIONS, PATCH"),
+        # Not taken for a pad of that name.
+        ("/api/v1/pads/import", "GET", "OPTIONS, POST"),
+        ("/api/v1/uploads/none", "PUT", "DELETE, GET, HEAD, OPTIONS, PATCH, POST"),
+        ("/design", "POST", "GET, OPTIONS"),
+        ("/static/x/none.js", "POST", "GET, OPTIONS"),
+    ],
+)
+def test_methods_that_are_not_taken(
+    studio: httpx.Client, refused: Refused, path: str, method: str, taken: str
+) -> None:
+    answer = studio.request(method, path)
     refused(answer, 405, "method_not_allowed")
-    assert answer.headers["allow"] in ("GET", "POST")
-    refused(studio.post("/design"), 405, "method_not_allowed")
+    assert answer.headers["allow"] == taken
+    answer = studio.options(path)
+    assert (answer.status_code, answer.headers["allow"]) == (204, taken)
 
 
 @pytest.mark.parametrize(
@@ -59,6 +74,22 @@ def test_every_fault_is_named(studio: httpx.Client, refused: Refused) -> None:
     fields = refused(answer, 422, "invalid_request")["detail"]["fields"]
     assert {field["place"] for field in fields} == {"window", "name", "seed"}
     assert all(len(field["message"]) < 200 for field in fields)
+
+
+@pytest.mark.parametrize(
+    ("address", "headers", "wanted"),
+    [
+        ("/api/v1/flights/a.b", {}, "^[A-Za-z0-9-]{1,64}$"),
+        ("/api/v1/uploads?sha256=x", {}, "^[0-9a-f]{64}$"),
+        ("/api/v1/flights", {"Idempotency-Key": "short"}, "^[A-Za-z0-9_-]{16,64}$"),
+    ],
+)
+def test_what_a_text_must_be_like_is_told(
+    studio: httpx.Client, refused: Refused, address: str, headers: dict[str, str], wanted: str
+) -> None:
+    method = "POST" if headers else "GET"
+    error = refused(studio.request(method, address, headers=headers), 422, "invalid_request")
+    assert f"it must match {wanted}" in error["message"]
 
 
 def test_people_get_a_page(studio: httpx.Client) -> None:
@@ -109,3 +140,30 @@ def test_errors_of_the_program(
     refused(answer, status, code)
     assert "secret" not in answer.text
     assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_a_connection_goes_on_after_a_fault(tmp_path: Path) -> None:
+    app_fault = "/api/v1/fails"
+    with running(settings_for(tmp_path), faults={app_fault: ValueError("a secret")}) as client:
+        places = set()
+        for path in (app_fault, "/api/v1/health", app_fault, "/api/v1/health"):
+            with client.stream("GET", path) as answer:
+                answer.read()
+                places.add(answer.extensions["network_stream"].get_extra_info("client_addr"))
+                assert answer.status_code == (500 if path == app_fault else 200)
+        assert len(places) == 1
+
+
+@pytest.mark.parametrize("given", ["bytes=999999999-", "bytes=9-1", "lines=1-2"])
+def test_parts_of_files_that_are_not_there(studio: httpx.Client, given: str) -> None:
+    answer = studio.get("/api/v1/samples/pad.json", headers={"Range": given})
+    assert answer.status_code in (400, 416)
+    assert set(answer.json()["error"]) == {"code", "message", "detail"}
+    assert studio.get("/api/v1/samples/pad.json", headers={"Range": "bytes=0-0"}).text == "{"
+
+
+def test_what_was_given_is_repeated_in_short(studio: httpx.Client) -> None:
+    for given in ("x" * 5000, "x y " * 1200, ["x"] * 2000):
+        for body in ({"name": given}, {"seed": given}, {str(given): 1}):
+            said = studio.post("/api/v1/pads", json=body).text
+            assert said.count("x") < 250, said

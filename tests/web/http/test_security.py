@@ -12,6 +12,7 @@ from web_server import SMALL_SPEC, running, settings_for
 
 from padstudio.errors import StudioError
 from padstudio.web.app import create_app
+from padstudio.web.http.wrong_tokens import WrongTokens
 from padstudio.web.server.settings import is_loopback
 
 TOKEN = "a-token-of-some-length"
@@ -21,8 +22,12 @@ Refused = Callable[..., dict[str, Any]]
 
 @pytest.fixture(scope="module")
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
-    with running(settings_for(tmp_path_factory.mktemp("data"), token=TOKEN)) as client:
-        yield client
+    settings = settings_for(tmp_path_factory.mktemp("data"), token=TOKEN)
+    with pytest.MonkeyPatch.context() as patch:
+        # Wrong tokens would wait for real.
+        patch.setattr("padstudio.web.http.wrong_tokens._STEP_S", 0.0)
+        with running(settings) as client:
+            yield client
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +44,11 @@ def test_loopback_names_are_answered(studio: httpx.Client, host: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "host", ["evil.example", "evil.example:8000", "127.0.0.1.evil.example", "10.0.0.1", "[", ""]
+    "host",
+    [
+        *("evil.example", "evil.example:8000", "127.0.0.1.evil.example", "10.0.0.1", "[", ""),
+        *("me@localhost", "localhost/", "localhost:80:80", "localhost:99999", "[::1", "::1"),
+    ],
 )
 def test_other_names_are_refused(studio: httpx.Client, refused: Refused, host: str) -> None:
     refused(studio.get(PADS, headers={"Host": host}), 403, "foreign_host")
@@ -75,6 +84,35 @@ def test_is_loopback(host: str, answer: bool) -> None:
     assert is_loopback(host) is answer
 
 
+@pytest.mark.parametrize("host", ["a:b", "a:99999", "a b", "@", "[::1"])
+def test_a_host_is_a_host_with_a_token_too(
+    guarded: httpx.Client, refused: Refused, host: str
+) -> None:
+    headers = {"Host": host, "Authorization": f"Bearer {TOKEN}"}
+    refused(guarded.get(PADS, headers=headers), 403, "foreign_host")
+
+
+# Addresses are text
+
+
+@pytest.mark.parametrize(
+    "address", ["/api/v1/pads/%00", "/%1b", f"{PADS}?limit=1&x=%00", "/api/v1/advice?camera=%0a"]
+)
+def test_control_characters_in_addresses(
+    studio: httpx.Client, refused: Refused, address: str
+) -> None:
+    refused(studio.get(address), 422, "invalid_text")
+
+
+def test_a_name_is_found_however_it_was_typed(studio: httpx.Client) -> None:
+    made = studio.post(PADS, json=SMALL_SPEC | {"name": "Cafe\u0301"}).json()
+    assert made["name"] == "Caf\u00e9"
+    query = {"camera": "preset-webcam-c270"}
+    for name in ("Cafe\u0301", "Caf\u00e9"):
+        body = {"pad": name, **query, "height_mm": 500}
+        assert studio.post("/api/v1/simulate", json=body).status_code != 404
+
+
 # Changes from other sites
 
 
@@ -83,6 +121,7 @@ def test_is_loopback(host: str, answer: bool) -> None:
     [
         {"Origin": "http://evil.example"},
         {"Origin": "null"},
+        {"Origin": "http://["},
         {"Origin": "http://127.0.0.1:1"},
         {"Sec-Fetch-Site": "cross-site"},
         {"Sec-Fetch-Site": "same-site"},
@@ -131,6 +170,32 @@ def test_wrong_tokens(guarded: httpx.Client, refused: Refused, given: str) -> No
     name = f"padstudio-{guarded.base_url.port}"
     cookie = {"Cookie": f"{name}={given}".encode()}
     refused(guarded.get(PADS, headers=cookie), 401, "token_required")
+
+
+def test_wrong_tokens_alone_are_slowed_down(
+    guarded: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slowed: list[bool] = []
+
+    async def slow_down(_: WrongTokens) -> None:
+        slowed.append(True)
+
+    monkeypatch.setattr(WrongTokens, "slow_down", slow_down)
+    name = f"padstudio-{guarded.base_url.port}"
+    wrong: list[dict[str, Any]] = [
+        {"params": {"token": "x" * 20}},
+        {"headers": {"Authorization": "Bearer " + "x" * 20}},
+        {"headers": {"Cookie": f"{name}=x"}},
+    ]
+    for options in wrong:
+        assert guarded.get(PADS, **options).headers["www-authenticate"].startswith("Bearer")
+    assert len(slowed) == len(wrong)
+    right = {"Authorization": f"Bearer {TOKEN}", "Cookie": f"{name}=x"}
+    assert guarded.get(PADS, headers=right).status_code == 200
+    assert guarded.get(PADS).status_code == 401
+    page = guarded.get("/design", headers={"Accept": "text/html"})
+    assert page.headers["www-authenticate"].startswith("Bearer")
+    assert len(slowed) == len(wrong)
 
 
 def test_programs_send_the_token_along(guarded: httpx.Client) -> None:

@@ -10,7 +10,7 @@ from places import ROOT
 from padstudio.web.pages.bundles import bundle
 
 SCRIPTS = ROOT / "frontend" / "js"
-PAGES = ("design", "diagnose", "flight", "flights", "plan", "cameras")
+PAGES = ("design", "diagnose", "flight", "flights", "plan", "cameras", "live", "experiments")
 
 
 def test_each_module_stands_once_and_before_its_importers() -> None:

@@ -7,7 +7,10 @@ import pytest
 
 from padstudio.web.pages import static
 
-PAGES = ("/design", "/plan", "/diagnose", "/flights", "/flights/0123456789abcdef")
+PAGES = (
+    *("/design", "/plan", "/diagnose", "/live", "/experiments"),
+    *("/flights", "/flights/0123456789abcdef"),
+)
 
 
 class _Audit(HTMLParser):
@@ -63,6 +66,14 @@ def test_the_policy_allows_no_inline_script_and_no_other_host(studio: httpx.Clie
         assert directive in policy
     assert headers["x-content-type-options"] == "nosniff"
     assert headers["referrer-policy"] == "same-origin"
+
+
+def test_the_camera_is_for_the_live_page_alone(studio: httpx.Client) -> None:
+    assert "camera=(self)" in studio.get("/live").headers["permissions-policy"]
+    for path in ("/", "/diagnose", "/api/v1/pads"):
+        policy = studio.get(path).headers["permissions-policy"]
+        assert "camera=()" in policy
+        assert "microphone=()" in policy
 
 
 def test_the_root_is_home(studio: httpx.Client) -> None:

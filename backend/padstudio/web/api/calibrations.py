@@ -23,12 +23,12 @@ from padstudio.web.server.services import (
     A_WHILE,
     ERRORS,
     KNOWN,
-    PICTURE,
     ItemId,
     Shared,
     accepted,
+    file_answer,
 )
-from padstudio.workers import calibrations
+from padstudio.workers import cameras
 
 router = APIRouter(prefix="/calibrations", tags=["cameras"], responses=ERRORS)
 
@@ -61,7 +61,7 @@ async def calibrate_camera(
 
     async def work(job: CalibrationJob) -> None:
         job.camera_yaml, job.result = await shared.work(
-            calibrations.calibrate_pictures,
+            cameras.calibrate_pictures,
             *(pad.content or "", files, _MODELS[new.lens]),
             *(settings.max_image_pixels, job.folder),
             timeout_s=settings.calibrate_seconds,
@@ -85,13 +85,13 @@ async def get_calibration(calibration_id: ItemId, shared: Shared) -> Calibration
     operation_id="getCalibrationPicture",
     summary="A picture with its residuals, drawn a hundred times as long",
     response_class=Response,
-    responses=PICTURE,
+    responses=file_answer("The picture.", "image/webp"),
 )
 async def get_calibration_picture(
     calibration_id: ItemId, number: PictureNumber, shared: Shared
 ) -> Response:
     job = _done(shared.calibrations.get(calibration_id))
-    file = calibrations.picture_file(job.folder, number)
+    file = cameras.picture_file(job.folder, number)
     if not file.exists():
         raise NotFoundError("this calibration has no picture of that number")
     data = await run_in_threadpool(file.read_bytes)

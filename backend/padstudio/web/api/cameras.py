@@ -7,50 +7,44 @@ from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile
+from fastapi.concurrency import run_in_threadpool
 
+from padstudio import text
 from padstudio.errors import ConflictError
 from padstudio.geometry import presets
 from padstudio.geometry.camera import MAX_READOUT_MS, Camera
 from padstudio.geometry.lens_fold import fold_note
 from padstudio.store.store import Store, Stored
+from padstudio.web.schemas.asked import Flag, Text
 from padstudio.web.schemas.base import CameraList, CameraReadout, CameraSummary, NewName
 from padstudio.web.server.services import (
     A_WHILE,
     ERRORS,
     KNOWN,
-    PICTURE,
     ItemId,
     Services,
     Shared,
     attachment,
     check_size,
+    file_answer,
     tell_known,
 )
-from padstudio.workers import thumbnails
+from padstudio.workers import cameras, thumbnails
 
 router = APIRouter(prefix="/cameras", tags=["cameras"], responses=ERRORS)
 
 _YAML, _TEXT = "application/yaml", "text/plain"
-_FILE_EXAMPLES: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The camera file, as an attachment.",
-        "content": {
-            _YAML: {
-                "schema": {"type": "string"},
-                "example": "image_width: 2720\nimage_height: 1530\n",
-            },
-            _TEXT: {
-                "schema": {"type": "string"},
-                "example": "1 PINHOLE 2720 1530 1886.0 1886.0 1360.0 765.0\n",
-            },
-        },
-    }
-}
+_CAMERA_FILE = file_answer(
+    "The camera file, as an attachment.",
+    *(_YAML, _TEXT),
+    example="image_width: 2720\nimage_height: 1530\n",
+)
 CameraFile = Literal["camera.yaml", "opencv.yaml", "kalibr.yaml", "cameras.txt"]
 # The form of each file, its type, and what its name ends with when it is saved.
 _FILES: dict[CameraFile, tuple[str, str, str]] = {
     "camera.yaml": ("ros", _YAML, ".yaml"),
-    "opencv.yaml": ("opencv", _YAML, ".opencv.yaml"),
+    # Its first line is no YAML.
+    "opencv.yaml": ("opencv", _TEXT, ".opencv.yaml"),
     "kalibr.yaml": ("kalibr", _YAML, ".kalibr.yaml"),
     "cameras.txt": ("colmap", _TEXT, ".cameras.txt"),
 }
@@ -85,7 +79,7 @@ def list_cameras(
     status_code=201,
     responses=KNOWN,
 )
-def import_camera(
+async def import_camera(
     file: Annotated[
         UploadFile,
         File(description="A calibration of ROS, OpenCV, Kalibr, PhotonVision, COLMAP, …"),
@@ -93,7 +87,7 @@ def import_camera(
     shared: Shared,
     response: Response,
     name: Annotated[
-        str | None, Form(max_length=200, description="Instead of the file's own name.")
+        Text | None, Form(max_length=200, description="Instead of the file's own name.")
     ] = None,
     readout_ms: Annotated[
         float | None,
@@ -104,25 +98,24 @@ def import_camera(
         ),
     ] = None,
     no_distortion: Annotated[
-        bool, Form(description="The lens has none, and the file is silent of it.")
+        Flag, Form(description="The lens has none, and the file is silent of it.")
     ] = False,
     camera: Annotated[
-        str | None,
+        Text | None,
         Form(max_length=200, description="Of a file of several cameras, the name of the one."),
     ] = None,
 ) -> CameraSummary:
     check_size(file.size, shared.settings.max_camera_bytes, "camera file")
-    found = Camera.loads(
-        file.file.read(),
-        file_name(file, "camera file"),
-        no_distortion=no_distortion,
-        which=camera or None,
+    found = await shared.run(
+        cameras.read,
+        *(await file.read(), file_name(file, "camera file"), no_distortion, camera or None),
+        timeout_s=shared.settings.detect_seconds,
     )
     if name and name.strip():
         found = replace(found, name=name.strip())
     if readout_ms is not None:
         found = replace(found, readout_ms=readout_ms)
-    return store_camera(shared, found, response)
+    return await run_in_threadpool(store_camera, shared, found, response)
 
 
 @router.get("/{camera_id}", operation_id="getCamera", summary="A stored or preset camera")
@@ -147,7 +140,7 @@ def rename_camera(camera_id: ItemId, new: NewName, shared: Shared) -> CameraSumm
     operation_id="getCameraThumbnail",
     summary="A small picture of a square grid as a camera shows it",
     response_class=Response,
-    responses=PICTURE,
+    responses=file_answer("The picture.", "image/png"),
 )
 def get_camera_thumbnail(camera_id: ItemId, shared: Shared) -> Response:
     data = thumbnails.of_camera(camera_text(shared.store, camera_id))
@@ -185,7 +178,7 @@ def delete_camera(camera_id: ItemId, shared: Shared) -> None:
     operation_id="getCameraFile",
     summary="A camera as a file of ROS, OpenCV, Kalibr or COLMAP",
     response_class=Response,
-    responses=_FILE_EXAMPLES,
+    responses=_CAMERA_FILE,
 )
 def get_camera_file(camera_id: ItemId, file: CameraFile, shared: Shared) -> Response:
     name = get_camera(camera_id, shared).name
@@ -202,6 +195,15 @@ def store_camera(shared: Services, camera: Camera, response: Response) -> Camera
     stored = shared.store.cameras.add(camera.to_ros_yaml(), describe_camera(camera, note))
     tell_known(stored, response)
     return _summary(stored)
+
+
+def id_of_camera(store: Store, camera: Camera) -> str:
+    """The preset that a camera is, or the stored one; it is stored where it is neither."""
+    text = camera.to_ros_yaml()
+    for preset in presets.PRESETS.values():
+        if preset.camera.to_ros_yaml() == text:
+            return preset.id
+    return store.cameras.add(text, describe_camera(camera, "")).id
 
 
 def _summary(stored: Stored) -> CameraSummary:
@@ -240,7 +242,7 @@ def find_camera(store: Store, camera: str) -> Stored:
 def file_name(file: UploadFile, default: str) -> str:
     """An upload's name for messages and records: no folders, nothing unprintable."""
     name = (file.filename or "").replace("\\", "/").rsplit("/", 1)[-1]
-    return "".join(c for c in name if c.isprintable())[:200] or default
+    return text.plain("".join(c for c in name if c.isprintable()))[:200] or default
 
 
 def describe_camera(camera: Camera, note: str) -> dict[str, Any]:

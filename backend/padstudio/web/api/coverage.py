@@ -19,6 +19,7 @@ from padstudio.pad.spec import Pad
 from padstudio.simulate.success_map import view_of
 from padstudio.store.store import Store
 from padstudio.web.api.cameras import camera_text
+from padstudio.web.schemas.asked import Tilt
 from padstudio.web.schemas.planning import (
     AdviceInfo,
     AdviceQuery,
@@ -47,7 +48,7 @@ def get_pad_coverage(
     camera: Annotated[str, Query(max_length=200, examples=["preset-dji-mini-27k"])],
     shared: Shared,
     tilt_deg: Annotated[
-        list[float], Query(min_length=1, max_length=200, description="May be given repeatedly.")
+        list[Tilt], Query(min_length=1, max_length=200, description="May be given repeatedly.")
     ] = [0.0],  # noqa: B006 - FastAPI copies it
 ) -> CoverageChart:
     pad = Pad.loads(shared.store.pads.get(pad_id).content or "")

@@ -14,28 +14,23 @@ from pydantic import Field
 from padstudio.store.database.data_folder import remove
 from padstudio.store.store import new_id
 from padstudio.web.api.cameras import camera_text, file_name
+from padstudio.web.schemas.asked import Flag, Text
 from padstudio.web.schemas.base import MAX_PADS, DetectionAnswer
 from padstudio.web.schemas.bundles import KeptAnswer
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, check_size
+from padstudio.web.server.services import (
+    ERRORS,
+    PARTS,
+    ItemId,
+    Services,
+    Shared,
+    check_size,
+    file_answer,
+)
 from padstudio.workers import detection
 
 router = APIRouter(prefix="/detect", tags=["detect"], responses=ERRORS)
 
-_PICTURE: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The picture.",
-        "content": {
-            "image/png": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(the bytes of a PNG file)",
-            },
-            "image/webp": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(the bytes of a WebP file, for thumbnails)",
-            },
-        },
-    }
-}
+_PICTURE = file_answer("The picture, or its thumbnail.", "image/png", "image/webp") | PARTS
 # A trace never changes; its id is never given again.
 _FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
 
@@ -45,20 +40,22 @@ class Wanted:
     """The form's fields beside the picture: with what it is read, and how."""
 
     pad: Annotated[
-        list[Annotated[str, Field(max_length=200)]],
+        list[Annotated[Text, Field(min_length=1, max_length=200)]],
         Form(
             min_length=1,
             max_length=MAX_PADS,
             description="Id or name of a stored pad; again for more pads that may be in view.",
         ),
     ]
-    camera: Annotated[str, Form(max_length=200, description="Id or name of a camera.")]
+    camera: Annotated[
+        Text, Form(min_length=1, max_length=200, description="Id or name of a camera.")
+    ]
     method: Annotated[Literal["dense", "paper"], Form()] = "dense"
-    unmix: Annotated[bool, Form(description="By the pad's crosstalk, where it has one.")] = True
-    at_rest: Annotated[bool, Form(description="The camera stood still, as on a tripod.")] = False
-    trace: Annotated[bool, Form(description="Keep the picture, and what came of it.")] = False
+    unmix: Annotated[Flag, Form(description="By the pad's crosstalk, where it has one.")] = True
+    at_rest: Annotated[Flag, Form(description="The camera stood still, as on a tripod.")] = False
+    trace: Annotated[Flag, Form(description="Keep the picture, and what came of it.")] = False
     paint: Annotated[
-        bool, Form(description="With pictures of every stage; POST /looks shows them without.")
+        Flag, Form(description="With pictures of every stage; POST /looks shows them without.")
     ] = True
 
 
@@ -68,34 +65,8 @@ async def detect_image(
     image: Annotated[UploadFile, File(description="JPEG, PNG, WebP, TIFF or BMP.")],
     wanted: Annotated[Wanted, Depends()],
 ) -> DetectionAnswer:
-    settings, store = shared.settings, shared.store
-    check_size(image.size, settings.max_upload_bytes, "picture")
-    pads = [await run_in_threadpool(store.pads.get, pad) for pad in wanted.pad]
-    folder = await run_in_threadpool(store.folder.work_folder) if wanted.trace else None
-    try:
-        job = detection.Job(
-            image=await image.read(),
-            source=file_name(image, "picture"),
-            pads=tuple(pad.content or "" for pad in pads),
-            camera=await run_in_threadpool(camera_text, store, wanted.camera),
-            method=wanted.method,
-            max_pixels=settings.max_image_pixels,
-            unmix=wanted.unmix,
-            at_rest=wanted.at_rest,
-            pictures=folder,
-            paint=wanted.paint,
-        )
-        answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)
-        named = zip(pads, answer.pop("pad_ids"), strict=True)
-        answer["pads"] = [
-            {"id": pad.id, "name": pad.summary.get("name", ""), "pad_id": printed}
-            for pad, printed in named
-        ]
-        answer["result"] = answer["results"][0]
-        return await run_in_threadpool(_keep, shared, answer, job)
-    finally:
-        if folder is not None:
-            remove(folder)
+    check_size(image.size, shared.settings.max_upload_bytes, "picture")
+    return await detected(shared, await image.read(), file_name(image, "picture"), wanted)
 
 
 @router.get(
@@ -131,6 +102,43 @@ def get_detection_picture(
         name = detection.thumbnail_of(name)
     path = shared.store.traces.picture(trace_id, name)
     return FileResponse(path, media_type=f"image/{path.suffix[1:]}", headers=_FOREVER)
+
+
+async def detected(shared: Services, image: bytes, source: str, wanted: Wanted) -> DetectionAnswer:
+    """What a picture of a name shows; kept where that is wanted.
+
+    Raises
+    ------
+    StudioError
+        As of `padstudio.workers.detection.analyze`, or where a pad or the camera is not stored.
+    """
+    settings, store = shared.settings, shared.store
+    pads = [await run_in_threadpool(store.pads.get, pad) for pad in wanted.pad]
+    folder = await run_in_threadpool(store.folder.work_folder) if wanted.trace else None
+    try:
+        job = detection.Job(
+            image=image,
+            source=source,
+            pads=tuple(pad.content or "" for pad in pads),
+            camera=await run_in_threadpool(camera_text, store, wanted.camera),
+            method=wanted.method,
+            max_pixels=settings.max_image_pixels,
+            unmix=wanted.unmix,
+            at_rest=wanted.at_rest,
+            pictures=folder,
+            paint=wanted.paint,
+        )
+        answer = await shared.run(shared.analyze, job, timeout_s=settings.detect_seconds)
+        named = zip(pads, answer.pop("pad_ids"), strict=True)
+        answer["pads"] = [
+            {"id": pad.id, "name": pad.summary.get("name", ""), "pad_id": printed}
+            for pad, printed in named
+        ]
+        answer["result"] = answer["results"][0]
+        return await run_in_threadpool(_keep, shared, answer, job)
+    finally:
+        if folder is not None:
+            remove(folder)
 
 
 def _keep(shared: Services, answer: dict[str, Any], job: detection.Job) -> DetectionAnswer:

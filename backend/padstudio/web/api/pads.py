@@ -31,11 +31,11 @@ from padstudio.web.server.services import (
     A_WHILE,
     ERRORS,
     KNOWN,
-    PICTURE,
     ItemId,
     Services,
     Shared,
     check_size,
+    file_answer,
     tell_known,
 )
 from padstudio.workers import pads as design
@@ -155,7 +155,7 @@ async def rename_pad(pad_id: ItemId, new: NewName, shared: Shared) -> PadSummary
     operation_id="getPadThumbnail",
     summary="A small picture of a pad, as it is printed",
     response_class=Response,
-    responses=PICTURE,
+    responses=file_answer("The picture.", "image/png"),
 )
 async def get_pad_thumbnail(pad_id: ItemId, shared: Shared) -> Response:
     stored = await run_in_threadpool(shared.store.pads.get, pad_id)

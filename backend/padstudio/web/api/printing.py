@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Literal, cast
 
 from fastapi import APIRouter, File, Form, Query, Response, UploadFile
 from fastapi.concurrency import run_in_threadpool
@@ -15,6 +15,7 @@ from padstudio.pad.spec import Pad
 from padstudio.render import documents
 from padstudio.store.database.data_folder import remove
 from padstudio.web.api.pads import pad_summary
+from padstudio.web.schemas.asked import Flag
 from padstudio.web.schemas.base import PadSummary
 from padstudio.web.schemas.printing import (
     CrosstalkInfo,
@@ -26,11 +27,13 @@ from padstudio.web.schemas.printing import (
 )
 from padstudio.web.server.services import (
     ERRORS,
+    PARTS,
     ItemId,
     Services,
     Shared,
     attachment,
     check_size,
+    file_answer,
 )
 from padstudio.workers import pads as design
 from padstudio.workers import prints
@@ -38,18 +41,10 @@ from padstudio.workers import prints
 router = APIRouter(tags=["printing"], responses=ERRORS)
 
 Kind = Literal["json", "pdf", "svg", "png", "dxf", "csv", "npy", "strip.pdf"]
-_FILE_EXAMPLES: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The file, as an attachment.",
-        "content": {
-            "application/json": {"schema": {"type": "object"}, "example": {"format": "..."}},
-            **{
-                media_type: {"schema": {"type": "string", "format": "binary"}}
-                for media_type in documents.MEDIA_TYPES.values()
-            },
-        },
-    }
-}
+_FILE = (
+    file_answer("The file, as an attachment.", "application/json", *documents.MEDIA_TYPES.values())
+    | PARTS
+)
 
 
 @router.get(
@@ -57,7 +52,7 @@ _FILE_EXAMPLES: dict[int | str, dict[str, Any]] = {
     operation_id="getPadFile",
     summary="A pad as a file: for programs, for print, to look at",
     response_class=FileResponse,
-    responses=_FILE_EXAMPLES,
+    responses=_FILE,
 )
 async def get_pad_file(
     pad_id: ItemId, kind: Kind, options: Annotated[PrintQuery, Query()], shared: Shared
@@ -106,7 +101,7 @@ async def measure_crosstalk(
     pad_id: ItemId,
     image: Annotated[UploadFile, File(description="A photo of the printed test strip.")],
     shared: Shared,
-    keep: Annotated[bool, Form(description="Keep it with the pad, where it is usable.")] = True,
+    keep: Annotated[Flag, Form(description="Keep it with the pad, where it is usable.")] = True,
 ) -> CrosstalkInfo:
     settings = shared.settings
     check_size(image.size, settings.max_upload_bytes, "photo")

@@ -10,12 +10,14 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
+from padstudio import text
 from padstudio.errors import ConflictError
 from padstudio.media.content import ContentError
 from padstudio.store.uploads.files import Append
 from padstudio.store.uploads.rows import Upload
 from padstudio.store.uploads.uploads import Uploads
 from padstudio.web.http import tus
+from padstudio.web.http import tus_document as words
 from padstudio.web.schemas.base import ErrorBody
 from padstudio.web.schemas.uploads import UploadList, UploadSummary
 from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
@@ -26,19 +28,21 @@ _ERRORS: dict[int | str, dict[str, Any]] = ERRORS | {
         412: "Another version of tus.",
         415: "Another media type than the protocol's.",
         460: "The bytes do not match their checksum.",
-        507: "There is no room.",
     }.items()
 }
 router = APIRouter(prefix="/uploads", tags=["uploads"], responses=_ERRORS)
 
-_BYTES = {
-    "requestBody": {"content": {tus.MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}}}
-}
 # Large enough that the disk and the change of thread cost little, small enough to lose.
 _BLOCK_BYTES = 256 * 1024
 
 
-@router.options("", include_in_schema=False)
+@router.options(
+    "",
+    operation_id="getUploadOptions",
+    summary="What of tus the server can do",
+    status_code=204,
+    responses={204: {"headers": words.ABLE}},
+)
 def get_upload_options(shared: Shared) -> Response:
     return Response(status_code=204, headers=tus.options(shared.settings.max_flight_bytes))
 
@@ -48,7 +52,8 @@ def get_upload_options(shared: Shared) -> Response:
     operation_id="createUpload",
     summary="Announce an upload, and send its first bytes or none",
     status_code=201,
-    openapi_extra=_BYTES,
+    responses={201: {"headers": words.CREATED}},
+    openapi_extra=words.CREATE,
 )
 async def create_upload(request: Request, response: Response, shared: Shared) -> UploadSummary:
     headers = request.headers
@@ -104,7 +109,14 @@ def get_upload(upload_id: ItemId, shared: Shared) -> UploadSummary:
     return UploadSummary.model_validate(shared.store.uploads.get(upload_id))
 
 
-@router.head("/{upload_id}", include_in_schema=False)
+@router.head(
+    "/{upload_id}",
+    operation_id="getUploadOffset",
+    summary="How many bytes of an upload are there",
+    response_class=Response,
+    responses={200: {"headers": words.STANDING}},
+    openapi_extra=words.ASK,
+)
 async def get_upload_offset(upload_id: ItemId, request: Request, shared: Shared) -> Response:
     tus.check_version(request.headers)
     # Whoever asks how far it is wants to go on from there.
@@ -118,7 +130,8 @@ async def get_upload_offset(upload_id: ItemId, request: Request, shared: Shared)
     operation_id="appendUpload",
     summary="Send bytes of an upload",
     status_code=204,
-    openapi_extra=_BYTES,
+    responses={204: {"headers": words.STANDING}},
+    openapi_extra=words.APPEND,
 )
 async def append_upload(upload_id: ItemId, request: Request, shared: Shared) -> Response:
     tus.check_version(request.headers)
@@ -140,9 +153,15 @@ async def delete_upload(upload_id: ItemId, shared: Shared) -> Response:
     return Response(status_code=204)
 
 
-@router.post("/{upload_id}", include_in_schema=False)
+@router.post(
+    "/{upload_id}",
+    operation_id="overrideUploadMethod",
+    summary="PATCH or DELETE, for clients whose network lets only GET and POST through",
+    status_code=204,
+    responses={204: {"headers": words.STANDING}},
+    openapi_extra=words.OVERRIDE,
+)
 async def override_method(upload_id: ItemId, request: Request, shared: Shared) -> Response:
-    """For clients behind something that lets only GET and POST through."""
     method = request.headers.get("x-http-method-override", "").upper()
     if method == "PATCH":
         return await append_upload(upload_id, request, shared)
@@ -224,4 +243,4 @@ def _said(upload: Upload) -> str | None:
 def _plain(name: str) -> str:
     """A name for people: no folders, nothing unprintable; empty where nothing is left."""
     last = name.replace("\\", "/").rsplit("/", 1)[-1]
-    return "".join(c for c in last if c.isprintable())[:200].strip()
+    return text.plain("".join(c for c in last if c.isprintable()))[:200].strip()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -13,7 +14,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
-from padstudio.errors import StorageError, StudioError, full_disk
+from padstudio.errors import MOST_REPEATED, StorageError, StudioError, full_disk, shown
 from padstudio.store.database.engine import DatabaseFault, storage_error
 from padstudio.web.pages import pages
 from padstudio.web.pages.headers import SECURITY_HEADERS
@@ -21,7 +22,16 @@ from padstudio.web.pages.headers import SECURITY_HEADERS
 API_PREFIX = "/api/"
 logger = logging.getLogger(__name__)
 
-_HTTP_MESSAGES = {
+# Longer runs without a blank are somebody's input; so is what is in longer texts.
+_LONG_WORD = re.compile(r"(\S{120})\S+")
+_MOST_TOLD = 1000
+_MOST_FAULTS = 20
+_DEEPEST = 6
+_HEADERS = {401: {"WWW-Authenticate": "Bearer"}, 503: {"Retry-After": "5"}}
+# Python's name differs by its version.
+_CODES = {416: "range_not_satisfiable"}
+HTTP_MESSAGES = {
+    416: "the file has no such part; the header Content-Range says how large it is",
     404: "there is nothing at this address; /api/v1/openapi.json lists what there is",
     405: "this address does not take that method; the Allow header names those it takes",
     400: "the request's body cannot be read; send it as /api/v1/openapi.json describes",
@@ -48,7 +58,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(OSError, _os_error)
     app.add_exception_handler(DatabaseFault, _database_error)
-    app.add_exception_handler(Exception, _defect)
+    app.add_exception_handler(Exception, defect)
 
 
 def respond(
@@ -65,13 +75,26 @@ def respond(
         response = pages.error_page(request, status, HTTPStatus(status).phrase, message)
         response.headers.update(headers or {})
         return response
-    body = {"error": {"code": code, "message": message, "detail": dict(detail or {})}}
+    body = {"error": _told({"code": code, "message": message, "detail": dict(detail or {})})}
     return JSONResponse(body, status, headers=dict(headers or {}))
+
+
+def _told(value: Any, depth: int = 0) -> Any:
+    """What an answer tells, as UTF-8 can be made of it, and no more of an input than it needs."""
+    if isinstance(value, str):
+        text = _LONG_WORD.sub(r"\1…", value[: 4 * _MOST_TOLD])
+        text = text.encode("utf-8", "replace").decode()
+        return text if len(text) <= _MOST_TOLD else text[:_MOST_TOLD] + "…"
+    if isinstance(value, Mapping) and depth < _DEEPEST:
+        return {_told(str(key)): _told(item, depth + 1) for key, item in value.items()}
+    if isinstance(value, list | tuple) and depth < _DEEPEST:
+        return [_told(item, depth + 1) for item in value]
+    return value if value is None or isinstance(value, bool | int | float) else _told(str(value))
 
 
 def respond_error(request: Request, error: StudioError) -> Response:
     """A `StudioError` as a response."""
-    headers = {"Retry-After": "5"} if error.status == 503 else None
+    headers = _HEADERS.get(error.status)
     return respond(request, error.status, error.error_code, error.message, error.detail, headers)
 
 
@@ -82,25 +105,35 @@ async def _studio_error(request: Request, error: Exception) -> Response:
 
 async def _validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    faults = [_fault(item) for item in error.errors()]
+    faults = [_fault(item) for item in error.errors()[:_MOST_FAULTS]]
     message = "; ".join(fault["message"] for fault in faults[:3])
     return respond(request, 422, "invalid_request", message, {"fields": faults})
 
 
 async def _http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    code = HTTPStatus(error.status_code).name.lower()
     if isinstance(error, BodyTooLargeError):
         # The rest of the body is still under way; the connection cannot serve again.
         headers = {"Connection": "close"}
         return respond(request, 413, "limit_exceeded", error.message, headers=headers)
-    message = _HTTP_MESSAGES.get(error.status_code, str(error.detail))
-    return respond(request, error.status_code, code, message, headers=error.headers)
+    return respond_http(request, error.status_code, error.headers, str(error.detail))
+
+
+def respond_http(
+    request: Request,
+    status: int,
+    headers: Mapping[str, str] | None = None,
+    message: str = "the request cannot be answered",
+) -> Response:
+    """An error that HTTP has a status for, and the program no more to say of."""
+    code = HTTPStatus(status).name.lower()
+    message = HTTP_MESSAGES.get(status, message)
+    return respond(request, status, _CODES.get(status, code), message, headers=headers)
 
 
 async def _os_error(request: Request, error: Exception) -> Response:
     full = full_disk(error)
-    return respond_error(request, full) if full else await _defect(request, error)
+    return respond_error(request, full) if full else await defect(request, error)
 
 
 async def _database_error(request: Request, error: Exception) -> Response:
@@ -108,12 +141,13 @@ async def _database_error(request: Request, error: Exception) -> Response:
     logger.error("the database cannot be used", exc_info=error)
     fault = storage_error(error)
     if fault.error_code == StorageError.code:
-        return await _defect(request, error)
+        return await defect(request, error)
     return respond_error(request, fault)
 
 
-async def _defect(request: Request, error: Exception) -> Response:
-    # Starlette passes the fault on after this answer, and the server logs it.
+async def defect(request: Request, error: Exception) -> Response:
+    """The answer where the program itself is at fault; logs it."""
+    logger.error("a fault of the program", exc_info=error)
     return respond(
         request,
         500,
@@ -137,10 +171,11 @@ _SENTENCES = {
     "float_type": "it must be a number",
     "finite_number": "it must be a number",
     "bool_parsing": "it must be true or false",
+    "bool_type": "it must be true or false",
     "string_type": "it must be a text",
     "string_too_long": "it must have at most {max_length} characters",
     "string_too_short": "it must have at least {min_length} characters",
-    "string_pattern_mismatch": "ids are letters, digits and dashes",
+    "string_pattern_mismatch": "it must match {pattern}",
     "model_attributes_type": "send a JSON object, with Content-Type: application/json",
     "dict_type": "it must be an object",
     "extra_forbidden": "there is no such field; check its spelling",
@@ -151,25 +186,26 @@ _WHOLE = "the request's body"
 def _fault(item: Mapping[str, Any]) -> dict[str, str]:
     """A field's place, and a sentence with what was given and what is taken."""
     kind, value = str(item["type"]), item.get("input")
-    place = ".".join(str(part) for part in item["loc"][1:]) or _WHOLE
+    place = ".".join(_short_place(part) for part in item["loc"][1:]) or _WHOLE
     if kind == "json_invalid":
         return {"place": _WHOLE, "message": f"{_WHOLE} is not JSON"}
     if kind == "missing":
         return {"place": place, "message": f"{place} is missing"}
     if "UploadFile" in str(item["msg"]):
         return {"place": place, "message": f"{place} must be a file"}
-    sentence = str(item["msg"])
+    sentence = str(item["msg"]).removeprefix("Value error, ")
     if kind in _SENTENCES:
         sentence = _SENTENCES[kind].format_map(dict(item.get("ctx") or {}))
     given = "cannot be read: "
     if isinstance(value, str | int | float) and place != _WHOLE:
-        given = f"is {_short(value)}; "
+        given = f"is {shown(value)}; "
     return {"place": place, "message": f"{place} {given}{sentence}"}
 
 
-def _short(value: str | int | float) -> str:
-    text = repr(value[:60]) if isinstance(value, str) else str(value)
-    return text if len(text) <= 80 else text[:80] + "…"
+def _short_place(part: str | int) -> str:
+    """A part of a place; a name may be anybody's."""
+    name = str(part)
+    return name if len(name) <= MOST_REPEATED else name[:MOST_REPEATED] + "…"
 
 
 def _size(number: int) -> str:

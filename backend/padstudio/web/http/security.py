@@ -1,29 +1,33 @@
-"""Who may ask, and how much: token, host, origin, body size; and the headers of every answer."""
+"""Who may ask: token, host, origin; with the size of bodies and the headers of every answer."""
 
 from __future__ import annotations
 
 import hashlib
 import hmac
 import html
+import re
 from collections.abc import Iterable
 from http.cookies import CookieError, SimpleCookie
+from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from fastapi import Request
-from starlette.datastructures import MutableHeaders
 from starlette.responses import HTMLResponse, Response
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
-from padstudio.errors import AccessError
-from padstudio.web.http import errors, tus
-from padstudio.web.pages.headers import SECURITY_HEADERS
+from padstudio import text
+from padstudio.errors import AccessError, StudioError
+from padstudio.web.http import errors
+from padstudio.web.http.answer import Answer
+from padstudio.web.http.bodies import Body
+from padstudio.web.http.wrong_tokens import WrongTokens
 from padstudio.web.server.settings import Settings, is_loopback
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Enough to tell a health check that the server is up; it says nothing else.
 _OPEN_PATHS = frozenset({"/api/v1/health"})
-_TUS_PATH = "/api/v1/uploads"
-_BUNDLE_PATH = "/api/v1/bundles/open"
+_HOST = re.compile(r"(?P<name>[A-Za-z0-9._-]{1,255}|\[[0-9A-Fa-f:.]{2,45}\])(:(?P<port>\d{1,5}))?")
+_FOREIGN = "foreign_host"
 
 
 class TokenError(AccessError):
@@ -31,6 +35,10 @@ class TokenError(AccessError):
 
     code = "token_required"
     status = 401
+
+
+class WrongTokenError(TokenError):
+    """A token was given, and is not ours."""
 
 
 class Guard:
@@ -44,34 +52,46 @@ class Guard:
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self.app, self.settings = app, settings
+        self._wrong_tokens = WrongTokens()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+        scope = dict(scope)
         request = Request(scope)
-
-        async def send_with_headers(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                _add_headers(MutableHeaders(scope=message), request.url.path)
-            await send(message)
-
-        app: ASGIApp = self.app
+        answer = Answer(request, send)
+        body = Body(request, receive, self.settings)
         try:
-            entry = self._check(request)
-        except AccessError as error:
-            app = errors.respond_error(request, error)
-        else:
-            if entry is not None:
-                app = entry
-        await app(scope, _limited(request, receive, self.settings), send_with_headers)
+            app = await self._app(scope, request)
+            await app(scope, body.receive, body.lingering(answer.send))
+        except Exception as error:
+            # What is under way cannot be taken back: the server closes the connection.
+            if answer.has_begun:
+                raise
+            app = await errors.defect(request, error)
+            await app(scope, receive, answer.send)
+
+    async def _app(self, scope: Scope, request: Request) -> ASGIApp:
+        """Who answers: the application, or here."""
+        try:
+            try:
+                entry = self._check(request)
+            except WrongTokenError:
+                await self._wrong_tokens.slow_down()
+                raise
+            scope.update(_plain_address(scope))
+        except StudioError as error:
+            return errors.respond_error(request, error)
+        return self.app if entry is None else entry
 
     def _check(self, request: Request) -> Response | None:
         """Raise `AccessError` where a request may not pass; a response where a token lets in."""
+        host = _host(request)
         self._check_origin(request)
         token = self.settings.token
         if token is None:
-            _check_host(request, self.settings.allowed_hosts)
+            _check_host(host, self.settings.allowed_hosts)
             return None
         if request.url.path in _OPEN_PATHS:
             return None
@@ -80,7 +100,7 @@ class Guard:
             is_page = not request.url.path.startswith((errors.API_PREFIX, "/static/"))
             return _enter(request, token) if is_page and request.method == "GET" else None
         if not (_bearer(request, token) or _cookie(request, token)):
-            raise TokenError(
+            raise (WrongTokenError if _gives_token(request) else TokenError)(
                 "this server asks for a token: open the address with ?token=... that it printed "
                 "when it started, or send the header Authorization: Bearer <token>"
             )
@@ -91,7 +111,7 @@ class Guard:
         if request.method in _SAFE_METHODS:
             return
         origin = request.headers.get("origin")
-        foreign = origin is not None and urlsplit(origin).netloc != request.headers.get("host")
+        foreign = origin is not None and _netloc(origin) != request.headers.get("host")
         # Browsers say more in this header, and pages cannot forge it; programs send neither.
         if foreign or request.headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
             raise AccessError(
@@ -101,17 +121,61 @@ class Guard:
             )
 
 
-def _check_host(request: Request, allowed: Iterable[str]) -> None:
-    """Refuse names that an attacker's DNS may have bound to this machine."""
+class AddressError(StudioError):
+    """An address holds what is no text."""
+
+    code = "invalid_text"
+    status = 422
+
+
+def _plain_address(scope: Scope) -> dict[str, Any]:
+    """Path and query, composed (NFC), so that a name is found however its accents were typed.
+
+    Raises
+    ------
+    AddressError
+        If they hold control characters.
+    """
+    query = scope["query_string"].decode("latin-1")
     try:
-        name = urlsplit("//" + request.headers.get("host", "")).hostname or ""
+        path = text.plain(scope["path"])
+        if "%" in query or not query.isascii():
+            pairs = parse_qsl(query, keep_blank_values=True)
+            query = urlencode([(text.plain(name), text.plain(value)) for name, value in pairs])
+    except ValueError as error:
+        raise AddressError(f"the address: {error}") from error
+    return {"path": path, "query_string": query.encode("latin-1")}
+
+
+def _netloc(origin: str) -> str | None:
+    try:
+        return urlsplit(origin).netloc
     except ValueError:
-        name = ""
+        return None
+
+
+def _host(request: Request) -> str:
+    """The host that was asked for, without its port; empty where none was.
+
+    Raises
+    ------
+    AccessError
+        If it is no host: not a name or an address, with or without a port.
+    """
+    given = request.headers.get("host", "")
+    parts = _HOST.fullmatch(given)
+    if given and (parts is None or int(parts["port"] or 0) > 65535):
+        raise AccessError("the header Host names no host; use host or host:port", code=_FOREIGN)
+    return parts["name"] if parts else ""
+
+
+def _check_host(name: str, allowed: Iterable[str]) -> None:
+    """Refuse names that an attacker's DNS may have bound to this machine."""
     if not (is_loopback(name) or name in allowed):
         raise AccessError(
             "without a token this server answers to localhost and 127.0.0.1 alone; use one of "
             "these in the address, or set PADSTUDIO_ALLOWED_HOSTS",
-            code="foreign_host",
+            code=_FOREIGN,
         )
 
 
@@ -122,6 +186,11 @@ def _same(given: str, expected: str) -> bool:
 def _bearer(request: Request, token: str) -> bool:
     scheme, _, given = request.headers.get("authorization", "").partition(" ")
     return scheme.lower() == "bearer" and _same(given.strip(), token)
+
+
+def _gives_token(request: Request) -> bool:
+    named = _cookie_name(request) in request.headers.get("cookie", "")
+    return named or "token" in request.query_params or "authorization" in request.headers
 
 
 def _cookie_name(request: Request) -> str:
@@ -165,48 +234,3 @@ def _enter(request: Request, token: str) -> Response:
         secure=request.url.scheme == "https",
     )
     return response
-
-
-def _add_headers(headers: MutableHeaders, path: str) -> None:
-    for name, value in SECURITY_HEADERS.items():
-        headers.setdefault(name, value)
-    if path.startswith(_TUS_PATH):
-        headers.update(tus.EVERYWHERE)
-
-
-def _limited(request: Request, receive: Receive, settings: Settings) -> Receive:
-    """The request's body, counted as it arrives: a declared length need not be there or true."""
-    is_upload = request.headers.get("content-type", "").startswith("multipart/form-data")
-    stated = settings.max_upload_bytes if is_upload else settings.max_request_bytes
-    if is_upload and request.url.path == _BUNDLE_PATH:
-        stated = settings.max_bundle_bytes
-    if tus.carries_bytes(request.headers) and request.url.path.startswith(_TUS_PATH):
-        stated = settings.max_flight_bytes
-    # The parts' headers and the form's other fields come on top of the file.
-    limit = stated + (settings.max_request_bytes if is_upload else 0)
-    # A client that asks before it sends can be told at once.
-    asks = request.headers.get("expect", "").lower() == "100-continue"
-    declared = request.headers.get("content-length", "")
-    refused = asks and declared.isdecimal() and int(declared) > limit
-    read = 0
-
-    async def receive_limited() -> Message:
-        nonlocal read
-        if refused:
-            raise errors.BodyTooLargeError(stated)
-        message = await receive()
-        read += len(message.get("body", b""))
-        if read > limit:
-            await _discard(message, receive, 4 * limit)
-            raise errors.BodyTooLargeError(stated)
-        return message
-
-    return receive_limited
-
-
-async def _discard(message: Message, receive: Receive, at_most: int) -> None:
-    """Read on and throw away: a browser shows no answer that comes before it has sent all."""
-    discarded = 0
-    while message.get("more_body") and discarded < at_most:
-        message = await receive()
-        discarded += len(message.get("body", b""))

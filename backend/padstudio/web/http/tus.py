@@ -16,12 +16,14 @@ from padstudio.store.uploads.rows import Upload
 
 VERSION = "1.0.0"
 EXTENSIONS = "creation,creation-with-upload,checksum,expiration,termination"
+#: Where uploads are.
+PATH = "/api/v1/uploads"
 MEDIA_TYPE = "application/offset+octet-stream"
 #: On every answer under the address of uploads, errors among them.
 EVERYWHERE = {"Tus-Resumable": VERSION, "Tus-Version": VERSION}
 
-# Characters; a name of 200 takes 1100 in base64.
-_MAX_METADATA = 4000
+#: Characters; a name of 200 takes 1100 in base64.
+MAX_METADATA = 4000
 
 
 class TusHeaderError(StudioError):
@@ -121,8 +123,8 @@ def metadata(headers: Mapping[str, str]) -> dict[str, str]:
         If they are not pairs of a name and base64, or too many.
     """
     text = headers.get("upload-metadata", "")
-    if len(text) > _MAX_METADATA:
-        raise TusHeaderError(f"Upload-Metadata is longer than {_MAX_METADATA} characters")
+    if len(text) > MAX_METADATA:
+        raise TusHeaderError(f"Upload-Metadata is longer than {MAX_METADATA} characters")
     found: dict[str, str] = {}
     for pair in text.split(",") if text.strip() else ():
         name, _, value = pair.strip().partition(" ")

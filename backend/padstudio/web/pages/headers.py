@@ -17,9 +17,13 @@ _CHART_STYLES = (
 CHARTS_POLICY = CONTENT_SECURITY_POLICY.replace(
     "style-src 'self'", f"style-src 'self' {' '.join(_CHART_STYLES)}"
 )
+#: What pages may ask the browser for: nothing; and where the camera is read, that alone.
+NO_DEVICES = "camera=(), microphone=(), geolocation=()"
+CAMERA_DEVICE = NO_DEVICES.replace("camera=()", "camera=(self)")
 SECURITY_HEADERS = {
     "Content-Security-Policy": CONTENT_SECURITY_POLICY,
     "X-Content-Type-Options": "nosniff",
+    "Permissions-Policy": NO_DEVICES,
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",

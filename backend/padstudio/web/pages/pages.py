@@ -9,8 +9,10 @@ from fastapi.templating import Jinja2Templates
 from starlette.responses import Response
 
 from padstudio import __version__, resources
+from padstudio.experiments.budget.conditions import QUANTITIES
+from padstudio.experiments.shootout.boards.catalogue import BOARDS, EXTRA
 from padstudio.web.pages import static
-from padstudio.web.pages.headers import CHARTS_POLICY
+from padstudio.web.pages.headers import CAMERA_DEVICE, CHARTS_POLICY
 from padstudio.web.server.services import ItemId
 from padstudio.web.server.settings import Settings
 
@@ -21,6 +23,7 @@ templates.env.globals["file_address"] = static.address
 
 # A page changes with the program alone; the browser asks each time whether it has.
 _HEADERS = {"Cache-Control": "no-cache"}
+_CAMERA_HEADERS = _HEADERS | {"Permissions-Policy": CAMERA_DEVICE}
 _CHART_HEADERS = _HEADERS | {"Content-Security-Policy": CHARTS_POLICY}
 
 
@@ -31,8 +34,8 @@ class Page:
     Attributes
     ----------
     name : str
-        ``home``, ``design``, ``plan``, ``diagnose``, ``flights`` or ``cameras``; also the
-        template's name.
+        ``home``, ``design``, ``plan``, ``diagnose``, ``live``, ``flights``, ``cameras`` or
+        ``experiments``; also the template's name.
     version : str
     max_upload_bytes, max_image_pixels : int
         Limits to check before a picture is sent.
@@ -88,6 +91,11 @@ def diagnose(request: Request) -> Response:
     return _page(request, "diagnose")
 
 
+@router.get("/live")
+def live(request: Request) -> Response:
+    return _page(request, "live", _CAMERA_HEADERS)
+
+
 @router.get("/flights")
 def flights(request: Request) -> Response:
     return _page(request, "flights")
@@ -96,6 +104,11 @@ def flights(request: Request) -> Response:
 @router.get("/cameras")
 def cameras(request: Request) -> Response:
     return _page(request, "cameras")
+
+
+@router.get("/experiments")
+def experiments(request: Request) -> Response:
+    return _page(request, "experiments", boards=BOARDS, extra=EXTRA, quantities=QUANTITIES)
 
 
 @router.get("/flights/{flight_id}")
@@ -112,7 +125,9 @@ def error_page(request: Request, status: int, title: str, message: str) -> Respo
     )
 
 
-def _page(request: Request, name: str, headers: dict[str, str] = _HEADERS) -> Response:
+def _page(
+    request: Request, name: str, headers: dict[str, str] = _HEADERS, **more: object
+) -> Response:
     settings: Settings = request.app.state.settings
     page = Page(
         name,
@@ -122,4 +137,5 @@ def _page(request: Request, name: str, headers: dict[str, str] = _HEADERS) -> Re
         settings.max_levels,
         settings.max_cells,
     )
-    return templates.TemplateResponse(request, f"{name}.html", {"page": page}, headers=headers)
+    context = {"page": page, **more}
+    return templates.TemplateResponse(request, f"{name}.html", context, headers=headers)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import time
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.util import find_spec
@@ -17,7 +18,7 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from padstudio import resources
-from padstudio.errors import NotFoundError
+from padstudio.errors import NotFoundError, shown
 from padstudio.web.pages.bundles import bundle
 
 router = APIRouter(include_in_schema=False)
@@ -33,6 +34,7 @@ _SHEETS = {
     "design": (*_EVERY_PAGE, "viewer", "design", "print"),
     "plan": (*_EVERY_PAGE, "diagnose", "plan"),
     "diagnose": (*_EVERY_PAGE, "diagnose", "report", "viewer", "workbench"),
+    "live": (*_EVERY_PAGE, "diagnose", "live"),
     "flights": (*_EVERY_PAGE, "diagnose", "flights"),
     "flight": (
         *_EVERY_PAGE,
@@ -45,6 +47,7 @@ _SHEETS = {
         "frames",
     ),
     "cameras": (*_EVERY_PAGE, "diagnose", "flights", "cameras"),
+    "experiments": (*_EVERY_PAGE, "experiments"),
     "error": _EVERY_PAGE,
 }
 _MEDIA_TYPES = {
@@ -53,6 +56,8 @@ _MEDIA_TYPES = {
     ".map": "application/json",
     ".svg": "image/svg+xml",
 }
+# Hundreds of files are looked at, which takes longer than all else of a page.
+_LOOK_AGAIN_S = 1.0
 _FOR_GOOD = "public, max-age=31536000, immutable"
 
 
@@ -90,7 +95,12 @@ def get_file(request: Request, digest: str, name: str) -> Response:
 
 
 def _changed() -> int:
-    """When a file of the pages last changed, ns."""
+    """When a file of the pages last changed, ns; looked up once a second at the most."""
+    return _changed_by(int(time.monotonic() / _LOOK_AGAIN_S))
+
+
+@lru_cache(maxsize=1)
+def _changed_by(_look: int) -> int:
     return max(path.stat().st_mtime_ns for path in (_FRONTEND, *_FRONTEND.rglob("*")))
 
 
@@ -111,7 +121,7 @@ def _file(name: str, changed: int) -> _File:
         joined = bundle(f"{page}/{page}.js", _read_module)
         script = f"{joined.script}//# sourceMappingURL={page}.js.map\n"
         return _File((script if form == "js" else joined.source_map).encode())
-    raise NotFoundError(f"no file {name!r} belongs to the pages")
+    raise NotFoundError(f"no file {shown(name)} belongs to the pages")
 
 
 def _read_module(name: str) -> str:

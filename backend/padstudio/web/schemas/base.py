@@ -9,7 +9,15 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.geometry.camera import MAX_READOUT_MS
 from padstudio.pad.coding.pad_spec import PAPER_COST
-from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, LayerFields
+from padstudio.pad.spec import (
+    MAX_CELL_MM,
+    MAX_CELLS,
+    MAX_LEVELS,
+    MAX_WINDOW,
+    MIN_CELL_MM,
+    LayerFields,
+)
+from padstudio.web.schemas.asked import Asked
 from padstudio.web.schemas.pads import PadCrosstalk
 
 #: Of one search.
@@ -167,10 +175,10 @@ class Health(BaseModel):
     version: str
 
 
-class PadSpec(BaseModel):
+class PadSpec(Asked):
     """A pad to be generated."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [SPEC_EXAMPLE]}, extra="forbid")
+    model_config = ConfigDict(json_schema_extra={"examples": [SPEC_EXAMPLE]})
 
     name: str = Field("pad", min_length=1, max_length=200)
     window: int = Field(5, ge=2, le=MAX_WINDOW, description="b: each b × b window occurs once.")
@@ -180,7 +188,7 @@ class PadSpec(BaseModel):
     ratio: int = Field(
         5, ge=1, le=MAX_CELLS, description="Red cells along a blue cell; 1: the red layer only."
     )
-    cell_mm: float = Field(10.0, gt=0, le=10_000, description="Side of a red cell.")
+    cell_mm: float = Field(10.0, ge=MIN_CELL_MM, le=MAX_CELL_MM, description="Side of a red cell.")
     quiet_mm: float = Field(0.0, ge=0, le=10_000, description="White margin.")
     unique: Literal["rotation", "plain"] = "rotation"
     distance: int = Field(
@@ -195,15 +203,13 @@ class PadSpec(BaseModel):
         f"distance. paper: the blue layer is a copy of the red one's corner; {PAPER_COST}.",
     )
     method: Literal["auto", "growth"] = "auto"
-    seed: int | None = Field(1, ge=0, le=2**63 - 1, description="null: the server draws one.")
+    seed: int | None = Field(1, ge=0, le=2**62, description="null: the server draws one.")
 
 
-class NewName(BaseModel):
+class NewName(Asked):
     """Another name for something stored."""
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"name": "roof pad"}]}, extra="forbid"
-    )
+    model_config = ConfigDict(json_schema_extra={"examples": [{"name": "roof pad"}]})
 
     name: str = Field(min_length=1, max_length=200, pattern=r"\S", description="Not only blanks.")
 
@@ -299,12 +305,10 @@ class CameraSummary(BaseModel):
     created_at: datetime | None = Field(None, description="null for presets.")
 
 
-class CameraReadout(BaseModel):
+class CameraReadout(Asked):
     """How long a camera's shutter rolls."""
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"readout_ms": 18.5}]}, extra="forbid"
-    )
+    model_config = ConfigDict(json_schema_extra={"examples": [{"readout_ms": 18.5}]})
 
     readout_ms: float | None = Field(
         ge=0, le=MAX_READOUT_MS, description="First row to last row; 0 is a global shutter."

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from padstudio.calibration.advice import PictureState
 from padstudio.calibration.calibrate import MOST_PICTURES
 from padstudio.geometry.camera import MAX_READOUT_MS
+from padstudio.web.schemas.asked import Asked
 from padstudio.web.schemas.base import ErrorInfo
 
 _PARAMETER: dict[str, Any] = {"name": "fx", "value": 1402.51, "sigma": 0.21}
@@ -48,14 +49,13 @@ _EXAMPLE: dict[str, Any] = {
 }
 
 
-class NewCalibration(BaseModel):
+class NewCalibration(Asked):
     """Pictures of a pad from which a camera is to be calibrated."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [{"pad": "3f0c5a9e1b7d2468", "uploads": ["9b1f3c5a7e2d4680"]}]
-        },
-        extra="forbid",
+        }
     )
 
     pad: str = Field(max_length=200, description="Id or name of the stored pad that was printed.")
@@ -138,12 +138,11 @@ class CalibrationInfo(BaseModel):
     error: ErrorInfo | None
 
 
-class CalibratedCamera(BaseModel):
+class CalibratedCamera(Asked):
     """How a calibrated camera is to be stored."""
 
     model_config = ConfigDict(
-        json_schema_extra={"examples": [{"name": "drone, 1080p", "readout_ms": 18.5}]},
-        extra="forbid",
+        json_schema_extra={"examples": [{"name": "drone, 1080p", "readout_ms": 18.5}]}
     )
 
     name: str | None = Field(None, min_length=1, max_length=200)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from padstudio.web.schemas.asked import Asked, InAddress
 from padstudio.web.schemas.base import DETECTION_EXAMPLE, MAX_PADS, ErrorInfo, StageInfo
 
 _ID = "5d2f0a91c3b7e846"
@@ -134,7 +135,7 @@ _PADS = (
 )
 
 
-class FlightSettings(BaseModel):
+class FlightSettings(Asked):
     """How frames are read; what is left out keeps its default, or the first run's value."""
 
     model_config = _example({"method": "paper", "stride": 2}, extra="forbid")
@@ -173,10 +174,8 @@ class FlightSettings(BaseModel):
     )
 
 
-class OnlyFrames(BaseModel):
+class OnlyFrames(Asked):
     """Frames of another run that failed."""
-
-    model_config = ConfigDict(extra="forbid")
 
     status: Literal["failed"]
     reason: str | None = Field(
@@ -215,6 +214,34 @@ class NewFlight(FlightSettings):
         max_length=200,
         description="Id or name of a camera; recordings may bring their calibration along.",
     )
+
+
+class RecordedFlight(Asked):
+    """What was recorded live: uploads of its files, or a recording of this server's own."""
+
+    model_config = _example(
+        {"uploads": ["8c1e3b5f7a902d46"], "name": "gusty landing"}, extra="forbid"
+    )
+
+    uploads: list[str] | None = Field(
+        None,
+        min_length=1,
+        max_length=10_000,
+        description="Ids of complete uploads: a zip of the recording's folder, or the files in it "
+        "(session.json, videos, poses), each under its own name.",
+    )
+    recording: str | None = Field(
+        None,
+        pattern=r"^[A-Za-z0-9-]{1,50}$",
+        description="Instead of uploads: id of what this server's Live page recorded.",
+    )
+    name: str | None = Field(None, min_length=1, max_length=200)
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        if (self.uploads is None) == (self.recording is None):
+            raise ValueError("give uploads, or a recording, and not both")
+        return self
 
 
 class Flight(BaseModel):
@@ -294,7 +321,7 @@ class FrameResult(BaseModel):
     bearing_sigma_deg: float | None = Field(None, description="One standard deviation.")
 
 
-class FrameQuery(BaseModel):
+class FrameQuery(InAddress):
     """Which frames of a flight, and how many of them."""
 
     status: Literal["ok", "failed"] | None = None
@@ -302,10 +329,10 @@ class FrameQuery(BaseModel):
     stage: str | None = Field(None, max_length=20)
     layer: str | None = Field(None, max_length=10)
     quality: Literal["full", "bearing"] | None = None
-    from_s: float | None = Field(None, allow_inf_nan=False)
-    to_s: float | None = Field(None, allow_inf_nan=False)
-    min_height: float | None = Field(None, allow_inf_nan=False, description="Over the pad, mm.")
-    max_height: float | None = Field(None, allow_inf_nan=False)
+    from_s: float | None = Field(None, ge=-1e9, le=1e9)
+    to_s: float | None = Field(None, ge=-1e9, le=1e9)
+    min_height: float | None = Field(None, ge=-1e9, le=1e9, description="Over the pad, mm.")
+    max_height: float | None = Field(None, ge=-1e9, le=1e9)
     after: int | None = Field(None, ge=-1, le=2**31 - 1)
     before: int | None = Field(
         None,

@@ -7,7 +7,15 @@ from typing import Annotated, Literal
 from fastapi import Form
 from pydantic import BaseModel, ConfigDict, Field
 
-from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, LayerFields
+from padstudio.pad.spec import (
+    MAX_CELL_MM,
+    MAX_CELLS,
+    MAX_LEVELS,
+    MAX_WINDOW,
+    MIN_CELL_MM,
+    LayerFields,
+)
+from padstudio.web.schemas.asked import Text
 from padstudio.workers.pads import TableSizes
 
 
@@ -58,13 +66,13 @@ class PadCrosstalk(BaseModel):
 
 def table_sizes(
     name: Annotated[
-        str | None, Form(max_length=200, description="Instead of the file's own name.")
+        Text | None, Form(max_length=200, description="Instead of the file's own name.")
     ] = None,
     window: Annotated[int, Form(ge=2, le=MAX_WINDOW)] = 5,
     levels: Annotated[
         int | None, Form(ge=2, le=MAX_LEVELS, description="As many as occur where none is given.")
     ] = None,
-    cell_mm: Annotated[float, Form(gt=0, le=10_000)] = 10.0,
+    cell_mm: Annotated[float, Form(ge=MIN_CELL_MM, le=MAX_CELL_MM)] = 10.0,
     ratio: Annotated[int, Form(ge=1, le=MAX_CELLS, description="Above 1 adds a blue layer.")] = 1,
     quiet_mm: Annotated[float, Form(ge=0, le=10_000)] = 0.0,
     layers: Annotated[

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -10,11 +10,11 @@ from padstudio.pad.coverage.spans import Method, Source
 from padstudio.pad.spec import MAX_LEVELS, MAX_WINDOW
 from padstudio.simulate.radiance.scene import GroundKind
 from padstudio.simulate.trajectories import MAX_HEIGHT_MM
+from padstudio.web.schemas.asked import NOT_STRICT, Asked, Height, InAddress, Point, Tilt, Triple
 from padstudio.web.schemas.base import Disturbances
 from padstudio.web.schemas.printing import PadShape
 
-Point = tuple[float, float]
-Triple = tuple[float, float, float]
+_Condition = Annotated[float, Field(ge=0, le=1000)]
 _CAMERA = "preset-dji-mini-27k"
 _CHART_EXAMPLE: dict[str, Any] = {
     "camera": _CAMERA,
@@ -40,10 +40,10 @@ _POSE_EXAMPLE: dict[str, Any] = {
 
 
 def _example(value: dict[str, Any]) -> ConfigDict:
-    return ConfigDict(json_schema_extra={"examples": [value]}, extra="forbid", allow_inf_nan=False)
+    return ConfigDict(json_schema_extra={"examples": [value]})
 
 
-class CoverageRequest(BaseModel):
+class CoverageRequest(Asked):
     """A pad's sizes, and the camera that is to read it."""
 
     model_config = _example(
@@ -56,7 +56,7 @@ class CoverageRequest(BaseModel):
 
     pad: PadShape
     camera: str = Field(max_length=200, description="Id or name of a camera.")
-    tilts_deg: list[float] = Field([0.0], min_length=1, max_length=200)
+    tilts_deg: list[Tilt] = Field([0.0], min_length=1, max_length=200)
 
 
 class SpanInfo(BaseModel):
@@ -107,7 +107,7 @@ class CoverageChart(BaseModel):
     methods: list[MethodCoverage]
 
 
-class MapRequest(BaseModel):
+class MapRequest(Asked):
     """Conditions to simulate frames under; each height with each value, `trials` times."""
 
     model_config = _example(
@@ -117,8 +117,8 @@ class MapRequest(BaseModel):
     camera: str = Field(max_length=200, description="Id or name of a camera.")
     method: Method = "dense"
     axis: Literal["tilt_deg", "blur_px"] = "tilt_deg"
-    heights_mm: list[float] = Field(min_length=1, max_length=100)
-    values: list[float] = Field(
+    heights_mm: list[Height] = Field(min_length=1, max_length=100)
+    values: list[_Condition] = Field(
         [0.0], min_length=1, max_length=100, description="Tilts, or blurs in pixels of path."
     )
     trials: int = Field(1, ge=1, le=100)
@@ -151,16 +151,16 @@ class SuccessMapInfo(BaseModel):
     trials: int
 
 
-class AdviceQuery(BaseModel):
+class AdviceQuery(InAddress):
     """A range of heights, the camera, and what pad is wanted."""
 
     camera: str = Field(max_length=200, examples=["preset-dji-mini-27k"])
-    low_mm: float = Field(gt=0, le=1_000_000, examples=[500.0])
-    high_mm: float = Field(gt=0, le=1_000_000, examples=[8000.0])
+    low_mm: Height = Field(examples=[500.0])
+    high_mm: Height = Field(examples=[8000.0])
     method: Method = "dense"
     window: int = Field(5, ge=2, le=MAX_WINDOW)
     levels: int = Field(2, ge=2, le=MAX_LEVELS)
-    tilt_deg: float = Field(20.0, ge=0, le=89, description="Largest lean.")
+    tilt_deg: Tilt = Field(20.0, description="Largest lean.")
     reach_mm: float = Field(
         200.0, ge=0, le=1_000_000, description="Off the centre at the lowest height."
     )
@@ -198,16 +198,18 @@ class AdviceInfo(BaseModel):
     notes: list[str] = Field(description="What does not hold, and why.")
 
 
-class PoseSpec(BaseModel):
+class PoseSpec(Asked):
     """A pose in the pad frame."""
 
     model_config = _example(_POSE_EXAMPLE)
 
     position_mm: Triple
-    rotation: tuple[Triple, Triple, Triple] = Field(description="Takes camera to pad vectors.")
+    rotation: Annotated[tuple[Triple, Triple, Triple], NOT_STRICT] = Field(
+        description="Takes camera to pad vectors."
+    )
 
 
-class FrameSpec(BaseModel):
+class FrameSpec(Asked):
     """One frame to be simulated: a pad, a camera, where it is, and under what conditions."""
 
     model_config = _example(
@@ -219,7 +221,7 @@ class FrameSpec(BaseModel):
     )
     camera: str = Field(max_length=200, description="Id or name of a camera.")
     height_mm: float = Field(1000.0, ge=-MAX_HEIGHT_MM, le=MAX_HEIGHT_MM)
-    tilt_deg: float = Field(0.0, ge=0, lt=90, description="Axis off straight down.")
+    tilt_deg: Tilt = Field(0.0, description="Axis off straight down.")
     tilt_towards_deg: float = Field(0.0, ge=-360, le=360, description="Clockwise from +Y.")
     heading_deg: float = Field(0.0, ge=-360, le=360, description="Image up, clockwise from +Y.")
     target_mm: Point = Field((0.0, 0.0), description="Where the axis meets the pad's plane.")
@@ -229,7 +231,7 @@ class FrameSpec(BaseModel):
     look: str = Field(
         "clear", max_length=40, description="Conditions; GET /simulate/looks lists them."
     )
-    disturbances: Disturbances = []
+    disturbances: Disturbances = Field(default_factory=list)
     ground: GroundKind = "grass"
     quiet_mm: float | None = Field(
         None, ge=0, le=10_000, description="White margin; null takes the pad's own."

@@ -10,12 +10,23 @@ from pydantic import BaseModel, ConfigDict, Field
 from padstudio.errors import PadFormatError, SpecError
 from padstudio.pad.print_scale import print_scale
 from padstudio.pad.sheets.tiling import Joint, Orientation, Seams, SheetOptions
-from padstudio.pad.spec import MAX_CELLS, MAX_LEVELS, MAX_WINDOW, Channel, Layer, Pad
+from padstudio.pad.spec import (
+    MAX_CELL_MM,
+    MAX_CELLS,
+    MAX_LEVELS,
+    MAX_WINDOW,
+    MIN_CELL_MM,
+    Channel,
+    Layer,
+    Pad,
+)
 from padstudio.render.painters.inks import Ink
 from padstudio.render.painters.options import PrintOptions
+from padstudio.web.schemas.asked import Asked, Flag, InAddress
 from padstudio.web.schemas.pads import PadCrosstalk
 
 RULER_MM = 200.0
+_FURNITURE = "Rulers, labels and cut marks; by default on all papers but own."
 _SHAPE_EXAMPLE: dict[str, Any] = {
     "window": 5,
     "levels": 2,
@@ -46,10 +57,10 @@ _PLAN_EXAMPLE: dict[str, Any] = {
 
 
 def _example(value: dict[str, Any]) -> ConfigDict:
-    return ConfigDict(json_schema_extra={"examples": [value]}, extra="forbid", allow_inf_nan=False)
+    return ConfigDict(json_schema_extra={"examples": [value]})
 
 
-class SheetQuery(BaseModel):
+class SheetQuery(InAddress):
     """How a pad is spread over sheets."""
 
     paper: str = Field(
@@ -66,11 +77,9 @@ class SheetQuery(BaseModel):
         description="What the printer leaves blank; 5 on sheets, 0 on a bare page of its own size.",
     )
     joint: Joint = Field("butt", description="Sheets edge to edge, or over each other.")
-    overlap_mm: float = Field(10.0, gt=0, le=1000, description="Strip under the next sheet.")
+    overlap_mm: float = Field(10.0, ge=0.1, le=1000, description="Strip under the next sheet.")
     seams: Seams = Field("cells", description="cells: never cut a cell needlessly.")
-    furniture: bool | None = Field(
-        None, description="Rulers, labels and cut marks; by default on all papers but own."
-    )
+    furniture: Flag | None = Field(None, description=_FURNITURE)
 
     def sheet_options(self) -> SheetOptions:
         """For the planner; raises `SpecError` where a value is wrong."""
@@ -97,19 +106,19 @@ class PrintQuery(SheetQuery):
     outline_mm: float = Field(0.0, ge=0, le=100, description="Line round the quiet margin.")
     header: str = Field("", max_length=200, description="Text in the upper quiet margin.")
     footer: str = Field("", max_length=200, description="Text in the lower quiet margin.")
-    qr: bool = Field(True, description="The pad's id and QR code.")
-    assembly_map: bool = Field(True, description="Begin with a map of the sheets.")
+    qr: Flag = Field(True, description="The pad's id and QR code.")
+    assembly_map: Flag = Field(True, description="Begin with a map of the sheets.")
     dpi: float = Field(150.0, ge=1, le=2400, description="Of a PNG.")
     channel: Channel | None = Field(
         None, description="Layer of a CSV or NPY; a zip of all layers where none is named."
     )
     read_x_mm: float = Field(
         RULER_MM,
-        gt=0,
+        ge=1,
         le=1000,
         description="What an earlier print's ruler of 200 mm along x reads.",
     )
-    read_y_mm: float = Field(RULER_MM, gt=0, le=1000, description="The same along y.")
+    read_y_mm: float = Field(RULER_MM, ge=1, le=1000, description="The same along y.")
 
     def print_options(self) -> PrintOptions:
         """For the painters; raises `SpecError` where a value is wrong."""
@@ -129,18 +138,16 @@ class PrintQuery(SheetQuery):
         )
 
 
-class LayerShape(BaseModel):
+class LayerShape(Asked):
     """A layer's cells, without their levels."""
-
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     channel: Channel
     rows: int = Field(ge=2, le=MAX_CELLS)
     cols: int = Field(ge=2, le=MAX_CELLS)
-    cell_mm: float = Field(gt=0, le=1_000_000)
+    cell_mm: float = Field(ge=MIN_CELL_MM, le=MAX_CELL_MM)
 
 
-class PadShape(BaseModel):
+class PadShape(Asked):
     """The sizes of a pad, stored or not: all that sheets and coverage depend on."""
 
     model_config = _example(_SHAPE_EXAMPLE)
@@ -172,13 +179,19 @@ class PadShape(BaseModel):
             raise SpecError(error.message) from error
 
 
-class SheetsRequest(BaseModel):
+class SheetChoice(Asked, SheetQuery):
+    """The same in JSON."""
+
+    furniture: bool | None = Field(None, description=_FURNITURE)
+
+
+class SheetsRequest(Asked):
     """A pad's sizes and how to spread it."""
 
     model_config = _example({"pad": _SHAPE_EXAMPLE, "options": {"paper": "A4"}})
 
     pad: PadShape
-    options: SheetQuery = Field(default_factory=SheetQuery.model_construct)
+    options: SheetChoice = Field(default_factory=SheetChoice.model_construct)
 
 
 class SheetInfo(BaseModel):
@@ -211,14 +224,14 @@ class SheetPlanInfo(BaseModel):
     sheets: list[SheetInfo]
 
 
-class MeasuredSize(BaseModel):
+class MeasuredSize(Asked):
     """What a true ruler says of a print's rulers."""
 
     model_config = _example({"x_mm": 199.2, "y_mm": 200.4, "ruler_mm": 200.0})
 
-    x_mm: float = Field(gt=0, le=10_000)
-    y_mm: float = Field(gt=0, le=10_000)
-    ruler_mm: float = Field(RULER_MM, gt=0, le=10_000, description="What the rulers should be.")
+    x_mm: float = Field(ge=1, le=10_000)
+    y_mm: float = Field(ge=1, le=10_000)
+    ruler_mm: float = Field(RULER_MM, ge=1, le=10_000, description="What the rulers should be.")
 
 
 class CrosstalkInfo(PadCrosstalk):

@@ -11,6 +11,7 @@ from padstudio.pad.coverage.spans import Method
 from padstudio.simulate.radiance.scene import GroundKind
 from padstudio.simulate.trajectories import FlightKind
 from padstudio.simulate.video_writer import Codec
+from padstudio.web.schemas.asked import Asked, Height
 from padstudio.web.schemas.base import Disturbances, ErrorInfo
 
 _SPEC_EXAMPLE: dict[str, Any] = {
@@ -37,12 +38,10 @@ _EXAMPLE: dict[str, Any] = {
 }
 
 
-class SimulationSpec(BaseModel):
+class SimulationSpec(Asked):
     """A flight to be simulated, and what is to be done with it."""
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [_SPEC_EXAMPLE]}, extra="forbid", allow_inf_nan=False
-    )
+    model_config = ConfigDict(json_schema_extra={"examples": [_SPEC_EXAMPLE]})
 
     pad: str | None = Field(
         None, max_length=200, description="Id or name of a stored pad; null leaves the ground bare."
@@ -50,14 +49,14 @@ class SimulationSpec(BaseModel):
     camera: str = Field(max_length=200, description="Id or name of a camera.")
     flight: FlightKind = Field("landing", description="descent and tilts are stills.")
     frames: int = Field(60, ge=1, le=10**9)
-    from_mm: float = Field(3000.0, description="Height at the start (tilts: distance).")
-    to_mm: float = Field(100.0, description="Height at the end.")
-    fps: float = Field(30.0, description="Of a video.")
-    sway: float = Field(1.0, description="Scales how the camera wanders and leans.")
+    from_mm: Height = Field(3000.0, description="Height at the start (tilts: distance).")
+    to_mm: Height = Field(100.0, description="Height at the end.")
+    fps: float = Field(30.0, ge=0.1, le=1000, description="Of a video.")
+    sway: float = Field(1.0, ge=0, le=10, description="Scales how the camera wanders and leans.")
     look: str = Field(
         "clear", max_length=40, description="Conditions; GET /simulate/looks lists them."
     )
-    disturbances: Disturbances = []
+    disturbances: Disturbances = Field(default_factory=list)
     ground: GroundKind = "grass"
     quiet_mm: float | None = Field(
         None, ge=0, le=10_000, description="White margin; null takes the pad's own."

@@ -7,14 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from padstudio.web.schemas.asked import NOT_STRICT, Asked, Place, Point, Triple
 from padstudio.web.schemas.base import DETECTION_EXAMPLE, ImageSize, StageFailureInfo
 
 _Id = Annotated[str, Field(max_length=64, pattern=r"^[A-Za-z0-9-]{1,64}$")]
 _Name = Annotated[str, Field(min_length=1, max_length=200)]
-_Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e7, le=1e7)]
 Part = Annotated[
-    tuple[_Number, _Number, _Number, _Number],
-    Field(description="Left, top, right and bottom in the frame, pixels from its corner."),
+    tuple[Place, Place, Place, Place],
+    Field(
+        strict=False,
+        description="Left, top, right and bottom in the frame, pixels from its corner.",
+    ),
 ]
 _PARAMETER = {
     "name": "search.least_step",
@@ -70,7 +73,7 @@ class ParameterList(BaseModel):
     items: list[ParameterInfo]
 
 
-class FrameReading(BaseModel):
+class FrameReading(Asked):
     """A frame and how it is read."""
 
     model_config = _example(_READING, extra="forbid")
@@ -99,14 +102,14 @@ class FrameReading(BaseModel):
         return self
 
 
-class ViewWish(BaseModel):
+class ViewWish(Asked):
     """A stage's picture as it is to be shown."""
 
     model_config = _example({"stage": "edges", "channel": "red", "scale": 0.25}, extra="forbid")
 
     stage: str = Field(pattern=r"^[a-z_]{1,30}$", description="A stage, or `frame`.")
     channel: Literal["red", "green", "blue"] | None = None
-    scale: float = Field(gt=0, le=64, description="Shown pixels per frame pixel.")
+    scale: float = Field(ge=1e-3, le=64, description="Shown pixels per frame pixel.")
     part: Part | None = Field(None, description="null: all of it.")
     quick: bool = Field(False, description="Sooner rather than exactly.")
     marks: bool = Field(True, description="With the lines, cells and axes that belong on it.")
@@ -178,13 +181,13 @@ class Look(BaseModel):
     pictures: list[ViewPicture]
 
 
-class PoseGiven(BaseModel):
+class PoseGiven(Asked):
     """A pose from anywhere."""
 
     model_config = ConfigDict(extra="ignore")
 
-    position_mm: tuple[_Number, _Number, _Number]
-    quaternion_xyzw: tuple[_Number, _Number, _Number, _Number]
+    position_mm: Triple
+    quaternion_xyzw: Annotated[tuple[Place, Place, Place, Place], NOT_STRICT]
 
     @model_validator(mode="after")
     def _is_rotation(self) -> PoseGiven:
@@ -202,7 +205,7 @@ class CellsRequest(FrameReading):
     )
 
     pose: PoseGiven | None = Field(None, description="null: the frame's own, or by `corners`.")
-    corners: list[tuple[_Number, _Number]] | None = Field(
+    corners: list[Point] | None = Field(
         None,
         min_length=4,
         max_length=4,
@@ -279,7 +282,7 @@ _PRESET: dict[str, Any] = {
 }
 
 
-class PresetSettings(BaseModel):
+class PresetSettings(Asked):
     """Settings of the detector."""
 
     model_config = _example(
@@ -323,7 +326,7 @@ _SWEEP: dict[str, Any] = {
 }
 
 
-class SweepSpec(BaseModel):
+class SweepSpec(Asked):
     """Which parameter, over which values, on how many frames."""
 
     model_config = _example(

@@ -41,8 +41,9 @@ class UploadSummary(BaseModel):
         description="When it is given up unless bytes come; null once it is complete."
     )
     sha256: str | None
-    kind: Literal["video", "recording", "still", "stills", "telemetry"] | None = Field(
-        description="By content; stills is a zip. Null until it is complete."
+    kind: Literal["video", "recording", "still", "stills", "telemetry", "live"] | None = Field(
+        description="By content; stills is a zip; live is what lies beside the videos of a live "
+        "session's recording, or a zip of all of it. Null until it is complete."
     )
     media_type: str | None
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from padstudio.web.server.folder_jobs import FolderJob
-from padstudio.workers.calibrations import STOP, Steps, steps_of
+from padstudio.workers.steps import STOP, Steps, steps_of
 
 
 @dataclass(kw_only=True)

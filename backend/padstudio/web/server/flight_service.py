@@ -41,6 +41,7 @@ def open_service(settings: Settings, store: Store, pool: WorkerPool) -> FlightSe
             ),
             max_open=settings.max_flights,
             attempts=settings.chunk_attempts,
+            idle_s=settings.worker_idle_seconds,
         ),
     )
 

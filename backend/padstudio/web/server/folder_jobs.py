@@ -104,6 +104,11 @@ class FolderJobs(Generic[JobT]):
             raise NotFoundError(f"there is no {self._one} of that id; it was removed")
         return self._jobs[job_id]
 
+    @property
+    def all(self) -> list[JobT]:
+        """All of them, newest first."""
+        return list(reversed(self._jobs.values()))
+
     def remove(self, job_id: str) -> None:
         """Stop a job where it is not over, and forget it; raises as `get`."""
         job = self.get(job_id)

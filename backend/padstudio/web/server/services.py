@@ -16,26 +16,28 @@ from pydantic import BaseModel
 from padstudio.errors import LimitError
 from padstudio.flights.pictures.shelves import ShelfJob
 from padstudio.flights.service import FlightService
+from padstudio.live.stream.allowed import AllowedSources
 from padstudio.store.store import Store, Stored
-from padstudio.vision import warm
 from padstudio.web.schemas.base import ErrorBody
 from padstudio.web.server.calibration_service import CalibrationJob
 from padstudio.web.server.callbacks.hosts import CallbackHosts
+from padstudio.web.server.experiment_service import ExperimentJob
+from padstudio.web.server.flight_watch import FlightWatch
 from padstudio.web.server.folder_jobs import FolderJob, FolderJobs
 from padstudio.web.server.grown_pads import GrownPads
+from padstudio.web.server.live.service import LiveService
+from padstudio.web.server.places import Places
 from padstudio.web.server.settings import Settings
 from padstudio.web.server.simulation_service import SimulationJob
 from padstudio.web.server.sweep_service import Sweep, SweepService
 from padstudio.web.server.turns import Turns
-from padstudio.workers import detection, pads
+from padstudio.workers import detection
 from padstudio.workers.pool import WorkerPool
 from padstudio.workers.process import Call
 
 ResultT = TypeVar("ResultT")
 ModelT = TypeVar("ModelT", bound=BaseModel)
 Analyze = Callable[[detection.Job], dict[str, Any]]
-
-_SMALL_PAD = {"rows": 12, "cols": 12, "ratio": 2}
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,8 @@ class Services:
         At uploads.
     simulations : FolderJobs of SimulationJob
     calibrations : FolderJobs of CalibrationJob
+    experiments : FolderJobs of ExperimentJob
+        Those that are not kept yet.
     sweeps : SweepService
     grown : GrownPads
     painting : dict
@@ -70,6 +74,7 @@ class Services:
         Proxies of frames that are being made, by chunk.
     shelving : dict
         Decoded frames that are being laid ready, by video.
+    flight_watch : FlightWatch
     """
 
     settings: Settings
@@ -86,11 +91,15 @@ class Services:
     calibrations: FolderJobs[CalibrationJob] = field(
         default_factory=lambda: FolderJobs("calibration", "calibrations", "too_many_calibrations")
     )
+    experiments: FolderJobs[ExperimentJob] = field(
+        default_factory=lambda: FolderJobs("experiment", "experiments", "too_many_experiments")
+    )
     sweeps: SweepService = field(default_factory=SweepService)
     grown: GrownPads = field(default_factory=GrownPads)
     painting: dict[str, asyncio.Future[dict[str, Any]]] = field(default_factory=dict)
     making: dict[str, Future[None]] = field(default_factory=dict)
     shelving: dict[str, Shelving] = field(default_factory=dict)
+    flight_watch: FlightWatch = field(default_factory=FlightWatch)
 
     async def run(self, function: Callable[..., ResultT], *args: Any, timeout_s: float) -> ResultT:
         """Call a function in a worker process; raises as `WorkerPool.submit` and its future."""
@@ -111,14 +120,26 @@ class Services:
         )
 
     @cached_property
+    def streams(self) -> Places:
+        """The event streams that may be open."""
+        return Places(self.settings.max_streams)
+
+    @cached_property
+    def live(self) -> LiveService:
+        """The live sessions."""
+        given = self.settings
+        return LiveService(given.max_live, given.live_idle_seconds, given.worker_memory_bytes)
+
+    @cached_property
+    def live_sources(self) -> AllowedSources:
+        """Which streams may be opened."""
+        given = self.settings
+        return AllowedSources(given.live_sources, given.live_devices, given.live_files)
+
+    @cached_property
     def callback_hosts(self) -> CallbackHosts:
         """Who may be called when a flight has ended."""
         return CallbackHosts(self.settings.callback_hosts)
-
-    def warm_up(self) -> None:
-        """Start workers on a small pad, so that the first user does not wait for their imports."""
-        self.pool.submit(pads.generate, _SMALL_PAD, 30.0, timeout_s=60.0)
-        self.pool.submit(warm.warm_up, timeout_s=60.0)
 
 
 def services(request: Request) -> Services:
@@ -130,18 +151,32 @@ def services(request: Request) -> Services:
 Shared = Annotated[Services, Depends(services)]
 ItemId = Annotated[str, Path(pattern=r"^[A-Za-z0-9-]{1,64}$", examples=["3f0c5a9e1b7d2468"])]
 
+_RETRY: dict[str, Any] = {"Retry-After": {"description": "Seconds.", "schema": {"type": "integer"}}}
+_ERROR_HEADERS: dict[int, dict[str, Any]] = {
+    401: {"WWW-Authenticate": {"description": "`Bearer`.", "schema": {"type": "string"}}},
+    405: {"Allow": {"description": "What it takes.", "schema": {"type": "string"}}},
+    503: _RETRY,
+}
 #: Errors that any route may answer with.
 ERRORS: dict[int | str, dict[str, Any]] = {
-    status: {"model": ErrorBody, "description": description}
+    status: {
+        "model": ErrorBody,
+        "description": description,
+        **({"headers": _ERROR_HEADERS[status]} if status in _ERROR_HEADERS else {}),
+    }
     for status, description in {
-        400: "The body cannot be read.",
+        400: "The request cannot be read.",
         401: "The token is missing or wrong.",
         403: "From another site or under another host name.",
         404: "There is no such thing.",
+        405: "The address does not take that method.",
+        408: "The rest of the request did not come.",
         409: "Contradicts what is stored.",
         413: "Beyond a limit.",
         422: "A value or file is wrong.",
+        500: "A fault of the program.",
         503: "Busy; try again.",
+        507: "There is no room.",
     }.items()
 }
 
@@ -150,18 +185,34 @@ ERRORS: dict[int | str, dict[str, Any]] = {
 KNOWN: dict[int | str, dict[str, Any]] = {
     200: {"description": "The same was stored already; this is it, and nothing was added."}
 }
-#: Of an answer that is a small picture.
-PICTURE: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The picture.",
-        "content": {
-            "image/png": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(the bytes of a PNG file)",
-            }
-        },
-    }
+#: Of an answer that is a file on the disk, of which a part can be asked for (RFC 9110).
+PARTS: dict[int | str, dict[str, Any]] = {
+    206: {"description": "The part of it that the header `Range` asks for."},
+    416: {"model": ErrorBody, "description": "There is no such part."},
 }
+_BINARY: dict[str, Any] = {"type": "string", "format": "binary"}
+# Whoever reads these by their type has values in hand, not bytes.
+_TREES: dict[str, dict[str, Any]] = {"application/json": {"type": "object"}, "application/yaml": {}}
+
+
+def file_answer(
+    description: str, *media_types: str, example: str = "(the bytes of the file)"
+) -> dict[int | str, dict[str, Any]]:
+    """The answer of a route that gives a file, for the API's description.
+
+    Parameters
+    ----------
+    description : str
+    *media_types : str
+        All that it may be sent as.
+    example : str
+    """
+    content = {
+        media: {"schema": _TREES.get(media, _BINARY), "example": example} for media in media_types
+    }
+    return {200: {"description": description, "content": content}}
+
+
 #: A picture that changes only with what it shows; a list that opens again has it at once.
 A_WHILE = {"Cache-Control": "private, max-age=300"}
 

@@ -15,6 +15,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from padstudio.errors import SpecError
+from padstudio.live.stream.allowed import AllowedSources
 from padstudio.pad import spec
 from padstudio.web.server.callbacks.hosts import CallbackHosts
 
@@ -85,6 +86,12 @@ class Settings(BaseSettings):
     worker_memory_bytes: int = Field(
         3_000 * MB, ge=500 * MB, description="Memory each of them may take (Linux)."
     )
+    worker_idle_seconds: float = Field(
+        600,
+        gt=0,
+        le=1e9,
+        description="After so long without work a process is ended; the next work starts it again.",
+    )
     max_waiting: int = Field(16, ge=0, le=1000, description="Requests that may wait for a process.")
     detect_seconds: float = Field(60, gt=0, le=3600, description="Time for one image.")
     generate_seconds: float = Field(60, gt=0, le=3600, description="Time to generate one pad.")
@@ -93,6 +100,9 @@ class Settings(BaseSettings):
         120, gt=0, le=3600, description="Time to simulate one frame, or one map of coverage."
     )
 
+    max_streams: int = Field(
+        2000, ge=1, le=100_000, description="Event streams that may be open at a time."
+    )
     max_request_bytes: int = Field(
         100_000, ge=1000, description="Largest request body that is no file upload."
     )
@@ -124,8 +134,26 @@ class Settings(BaseSettings):
     calibrate_seconds: float = Field(
         1800, gt=0, le=86_400, description="Time to calibrate one camera."
     )
+    experiment_seconds: float = Field(
+        7200, gt=0, le=86_400, description="Time to make one experiment."
+    )
     max_flight_frames: int = Field(
         600, ge=1, le=20_000, description="Most frames of one simulated flight."
+    )
+    live_sources: tuple[str, ...] = Field(
+        ("localhost", "127.0.0.1", "[::1]"),
+        description="Hosts whose streams may be opened: host, host:port or a network, as a JSON "
+        "list; this machine alone by default.",
+    )
+    live_devices: bool = Field(
+        False, description="Capture devices of the server's machine may be opened."
+    )
+    live_files: bool = Field(
+        False, description="Files of the server's disk may be opened as streams."
+    )
+    max_live: int = Field(2, ge=1, le=16, description="Live sessions that may be open at a time.")
+    live_idle_seconds: float = Field(
+        60, gt=0, le=86_400, description="After so long without a watcher a live session is ended."
     )
     max_window: int = Field(
         spec.MAX_WINDOW,
@@ -143,6 +171,7 @@ class Settings(BaseSettings):
     keep_trace_bytes: int = Field(
         4_000 * MB, ge=10 * MB, description="Disk that the kept traces may take together."
     )
+    keep_experiments: int = Field(50, ge=1, description="Experiments kept; the oldest go first.")
 
     max_flight_bytes: int = Field(
         32_000 * MB, ge=1000, description="Largest upload of a video or of a zip of stills."
@@ -209,6 +238,12 @@ class Settings(BaseSettings):
     @classmethod
     def _readable(cls, value: tuple[str, ...]) -> tuple[str, ...]:
         CallbackHosts(value)
+        return value
+
+    @field_validator("live_sources")
+    @classmethod
+    def _openable(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        AllowedSources(value)
         return value
 
     @model_validator(mode="after")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import hmac
+import socket
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -138,6 +139,21 @@ def test_waits_grow_and_are_kept_over_a_restart(office: Office, receiver: Receiv
     assert office.service(receiver, waits_s=waits_s).make_due() == 1
     assert office.of(flight).state == "delivered"
     assert receiver.calls[0][1]["webhook-id"] == receiver.calls[1][1]["webhook-id"]
+
+
+def test_who_does_not_answer_keeps_no_server_from_ending(office: Office) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        receiver = Receiver(silent.getsockname()[1])
+        flight, service = office.order(receiver.url), office.service(receiver)
+        office.flights.cancel(flight.id)
+        service.start()
+        connection, _ = silent.accept()
+        service.close()
+        # It still waits for an answer.
+        connection.setblocking(False)
+        assert connection.recv(100).startswith(b"POST /hook")
+        assert (office.of(flight).state, office.of(flight).attempts) == ("open", 1)
+        connection.close()
 
 
 def test_a_server_that_ended_in_the_middle_of_one_makes_it_again(

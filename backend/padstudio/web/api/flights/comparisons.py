@@ -8,6 +8,7 @@ from fastapi import APIRouter, Path, Query
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio.flights.results.compared_rows import ChangeFilter
+from padstudio.web.schemas.asked import InAddress
 from padstudio.web.schemas.flights import FRAME_EXAMPLE, FrameResult
 from padstudio.web.server.services import ERRORS, ItemId, Shared
 
@@ -117,14 +118,14 @@ class ChangePage(BaseModel):
     next_after: int | None = Field(description="`after` of the next page; null: there is none.")
 
 
-class ChangeQuery(BaseModel):
+class ChangeQuery(InAddress):
     """Which frames, and how many of them."""
 
     kind: Literal["changed", "won", "lost", "moved", "both", "neither"] | None = Field(
         None, description="`changed`: won, lost or moved; null: all."
     )
     least_mm: float = Field(
-        1.0, ge=0, allow_inf_nan=False, description="So far apart are poses that have moved, mm."
+        1.0, ge=0, le=1e9, description="So far apart are poses that have moved, mm."
     )
     after: int | None = Field(None, ge=-1, le=2**31 - 1)
     before: int | None = Field(

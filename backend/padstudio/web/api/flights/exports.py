@@ -11,13 +11,14 @@ import numpy as np
 from fastapi import APIRouter, Depends, File, Query, UploadFile
 from fastapi.responses import StreamingResponse
 
+from padstudio.autopilot.vehicle import Mount, VehicleTrack
 from padstudio.errors import BusyError, SpecError
 from padstudio.flights.exports import from_flight
 from padstudio.flights.exports.forms import FORMS
 from padstudio.flights.exports.options import ExportChoices as WantedExport
-from padstudio.flights.exports.vehicle import Mount, VehicleTrack
 from padstudio.media import content
 from padstudio.media.telemetry.reading import parse
+from padstudio.web.schemas.asked import Flag
 from padstudio.web.server.services import (
     ERRORS,
     ItemId,
@@ -25,22 +26,15 @@ from padstudio.web.server.services import (
     Shared,
     attachment,
     check_size,
+    file_answer,
 )
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
 FormName = Literal["csv", "jsonl", "tum", "colmap", "mcap", "ros2", "ardupilot", "px4"]
-_FILE: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The file, as an attachment.",
-        "content": {
-            "application/octet-stream": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "# timestamp tx ty tz qx qy qz qw\n",
-            }
-        },
-    }
-}
+_FILE = file_answer(
+    "The file, as an attachment.", *sorted({form.media_type for form in FORMS.values()})
+)
 # Until an export asks again for a process that requests left none of.
 _BUSY_SECONDS = 0.2
 _Metres = Annotated[float, Query(ge=-100, le=100, description="Camera in the body frame, m.")]
@@ -99,7 +93,7 @@ def export_flight(
     form: FormName,
     shared: Shared,
     choices: Choices,
-    images: Annotated[bool, Query(description="Of mcap: the frames, too.")] = False,
+    images: Annotated[Flag, Query(description="Of mcap: the frames, too.")] = False,
 ) -> StreamingResponse:
     return _stream(shared, flight_id, form, choices, images=images)
 

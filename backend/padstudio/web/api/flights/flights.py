@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import fields, replace
+from functools import partial
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Header, Path, Query, Request, Response
+from fastapi import APIRouter, Header, Path, Query, Response
 from fastapi.concurrency import run_in_threadpool
-from sse_starlette import EventSourceResponse, ServerSentEvent
+from fastapi.responses import StreamingResponse
 
 from padstudio.errors import NotFoundError, SpecError
 from padstudio.flights.jobs import FlightOrder
@@ -20,6 +20,7 @@ from padstudio.store.database.flight_tables import OPEN, FlightRow
 from padstudio.store.store import Store
 from padstudio.web.api.cameras import find_camera
 from padstudio.web.api.flights.recordings import with_recordings
+from padstudio.web.http.event_stream import EventStream, event
 from padstudio.web.schemas.base import NewName
 from padstudio.web.schemas.flights import (
     Flight,
@@ -49,9 +50,8 @@ OrderKey = Annotated[
 ]
 FrameNumber = Annotated[int, Path(ge=0, le=2**31 - 1, examples=[412])]
 _FILTERS = {field.name for field in fields(FrameFilter)}
-# A flight's progress is looked up so often for those who watch it.
-_LOOK_EVERY_S = 0.5
-_DEFAULTS: dict[str, Any] = {
+#: How frames are read unless something else is asked for.
+DEFAULTS: dict[str, Any] = {
     "method": "dense",
     "params": {},
     "first_frame": 0,
@@ -69,7 +69,7 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
         "with the flight.",
         "content": {
             "text/event-stream": {
-                "schema": {"type": "string"},
+                "schema": {},
                 "example": 'event: flight\r\ndata: {"id": "5d2f0a91c3b7e846", "state": "done"}\r\n',
             }
         },
@@ -164,14 +164,13 @@ def rerun_flight(
     "/{flight_id}/events",
     operation_id="watchFlight",
     summary="Progress as it happens",
-    response_class=EventSourceResponse,
+    response_class=StreamingResponse,
     responses=_EVENTS,
 )
-async def watch_flight(flight_id: ItemId, shared: Shared, request: Request) -> EventSourceResponse:
-    first = await run_in_threadpool(shared.flights.flights.get, flight_id)
-    return EventSourceResponse(
-        _events(shared, first, request), headers={"Cache-Control": "no-store"}, ping=15
-    )
+async def watch_flight(flight_id: ItemId, shared: Shared) -> EventStream:
+    # Raises where there is none.
+    await run_in_threadpool(shared.flights.flights.get, flight_id)
+    return EventStream(_events(shared, flight_id), shared.streams)
 
 
 @router.get("/{flight_id}/frames", operation_id="listFrames", summary="Frames, page by page")
@@ -225,7 +224,7 @@ def order_flight(new: NewFlight, shared: Services, key: str | None = None) -> Fl
     key : str or None
         A flight that is ordered under the same one is the one that is there.
     """
-    order = FlightOrder("", new.uploads, "", "", _DEFAULTS, key=key)
+    order = FlightOrder("", new.uploads, "", "", DEFAULTS, key=key)
     order = _changed(order, new, shared)
     return shared.flights.order(with_recordings(order, new, shared))
 
@@ -238,7 +237,7 @@ def describe(shared: Services, row: FlightRow) -> Flight:
 def describe_detail(shared: Services, row: FlightRow) -> FlightDetail:
     """A flight as it is shown alone; loaded with its texts."""
     # Where workers find a file is none of the caller's business, and a zip may hold thousands.
-    hidden = {"url", "members"}
+    hidden = {"url", "members", "poses"}
     sources = [
         {name: value for name, value in source.items() if name not in hidden}
         for source in row.sources
@@ -280,10 +279,10 @@ def _changed(order: FlightOrder, given: FlightSettings, shared: Services) -> Fli
     if given.callback is not None:
         order = replace(order, callback=str(shared.callback_hosts.check(given.callback)))
     values = given.model_dump(exclude_unset=True)
-    request = _DEFAULTS | dict(order.request)
-    request |= {name: values[name] for name in _DEFAULTS if name in values}
+    request = DEFAULTS | dict(order.request)
+    request |= {name: values[name] for name in DEFAULTS if name in values}
     request = {
-        name: _DEFAULTS[name] if value is None and name in _DEFAULTS else value
+        name: DEFAULTS[name] if value is None and name in DEFAULTS else value
         for name, value in request.items()
     }
     end = request["end_frame"]
@@ -324,20 +323,13 @@ def _with_pads(
     return replace(order, pad=first, other_pads=others)
 
 
-async def _events(
-    shared: Services, flight: FlightRow, request: Request
-) -> AsyncIterator[ServerSentEvent]:
+async def _events(shared: Services, flight_id: str) -> AsyncIterator[bytes]:
     """The flight now, and after every change, until it is over."""
-    last = ""
-    while not await request.is_disconnected():
-        data = describe(shared, flight).model_dump_json()
-        if data != last:
-            last = data
-            yield ServerSentEvent(data, event="flight")
-        if flight.state not in OPEN:
-            return
-        await asyncio.sleep(_LOOK_EVERY_S)
-        try:
-            flight = await run_in_threadpool(shared.flights.flights.get, flight.id)
-        except NotFoundError:
-            return
+    async for data in shared.flight_watch.watch(flight_id, partial(_look, shared)):
+        yield event("flight", data)
+
+
+def _look(shared: Services, flight_id: str) -> tuple[str, bool]:
+    """What a flight's watchers are told, and whether it is over."""
+    flight = shared.flights.flights.get(flight_id)
+    return describe(shared, flight).model_dump_json(), flight.state not in OPEN

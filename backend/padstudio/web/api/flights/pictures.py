@@ -22,9 +22,18 @@ from padstudio.flights.pictures.stages import PictureJob
 from padstudio.flights.results.rows import Record
 from padstudio.store.database.data_folder import remove
 from padstudio.web.api.flights.flights import FrameNumber
+from padstudio.web.schemas.asked import Flag
 from padstudio.web.schemas.base import StageInfo
 from padstudio.web.schemas.flights import FrameReadiness, FrameResult, FrameStages
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, Shelving
+from padstudio.web.server.services import (
+    ERRORS,
+    PARTS,
+    ItemId,
+    Services,
+    Shared,
+    Shelving,
+    file_answer,
+)
 from padstudio.workers import detection
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
@@ -32,14 +41,12 @@ router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 _MEDIA_TYPES = {"webp": "image/webp", "png": "image/png"}
 # At frames that are being laid ready; the answer comes so much later at most.
 _LOOK_EVERY_S = 0.03
+_PICTURE = (
+    file_answer("The picture.", *_MEDIA_TYPES.values())
+    | PARTS
+    | {304: {"description": "It is as it was."}}
+)
 _KEPT = {"Cache-Control": "private, max-age=3600"}
-
-
-def _picture(example: str, *media_types: str) -> dict[int | str, dict[str, Any]]:
-    """The answer of a route that gives a picture, for the API's description."""
-    schema = {"type": "string", "format": "binary"}
-    content = {media: {"schema": schema, "example": example} for media in media_types}
-    return {200: {"description": "The picture.", "content": content}}
 
 
 @router.get(
@@ -111,7 +118,7 @@ class Shown:
     operation_id="getFramePicture",
     summary="The picture of a frame's stage",
     response_class=FileResponse,
-    responses=_picture("(the bytes of the picture)", *_MEDIA_TYPES.values()),
+    responses=_PICTURE,
 )
 async def get_frame_picture(
     flight_id: ItemId,
@@ -228,14 +235,14 @@ def _stage(base: str, stage: dict[str, Any]) -> StageInfo:
     operation_id="getFramePreview",
     summary="A frame with the pad where its pose says that it lies",
     response_class=Response,
-    responses=_picture("(the bytes of a JPEG file)", "image/jpeg"),
+    responses=file_answer("The picture.", "image/jpeg"),
 )
 async def get_frame_preview(
     flight_id: ItemId,
     number: FrameNumber,
     shared: Shared,
     width: Annotated[int, Query(ge=16, le=4096, description="Most pixels.")] = 1280,
-    outline: Annotated[bool, Query(description="Draw the pad.")] = True,
+    outline: Annotated[Flag, Query(description="Draw the pad.")] = True,
 ) -> Response:
     job, record = await run_in_threadpool(_preview_job, shared, flight_id, number)
     await _lay_ready(shared, job.shelf)

@@ -15,25 +15,18 @@ from padstudio.flights.pictures.outlines import outline_of
 from padstudio.flights.results.frames import FrameFilter
 from padstudio.flights.tasks.from_rows import recipe_of
 from padstudio.store.database.flight_tables import OPEN, FlightRow
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared
+from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, file_answer
 
 router = APIRouter(prefix="/flights", tags=["flights"], responses=ERRORS)
 
 _MOST_OUTLINES = 200
 _KEPT = {"Cache-Control": "private, max-age=3600"}
 _NOT_KEPT = {"Cache-Control": "no-store"}
-_BINARY: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The length of a JSON object (uint32, little-endian), the object, and the "
-        "JPEGs that its `frames` list, one behind the other.",
-        "content": {
-            "application/octet-stream": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(bytes)",
-            }
-        },
-    }
-}
+_BINARY = file_answer(
+    "The length of a JSON object (uint32, little-endian), the object, and the JPEGs that its "
+    "`frames` list, one behind the other.",
+    "application/octet-stream",
+)
 _OUTLINES: dict[str, Any] = {
     "items": [{"frame": 412, "lines": [{"role": "side", "points": [[0.31, 0.2], [0.7, 0.21]]}]}]
 }

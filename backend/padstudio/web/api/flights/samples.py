@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 from fastapi.responses import FileResponse
 from pydantic import BaseModel, ConfigDict, Field
 
 from padstudio import resources
-from padstudio.errors import NotFoundError
+from padstudio.errors import NotFoundError, shown
 from padstudio.geometry.camera import Camera
 from padstudio.pad.spec import Pad
 from padstudio.store.uploads.uploads import upload_file
 from padstudio.web.api.cameras import describe_camera
 from padstudio.web.api.flights.flights import describe, order_flight
 from padstudio.web.schemas.flights import Flight, NewFlight
-from padstudio.web.server.services import ERRORS, KNOWN, Shared
+from padstudio.web.server.services import ERRORS, KNOWN, PARTS, Shared, file_answer
 from padstudio.workers.pads import summarize
 
 router = APIRouter(prefix="/samples", tags=["samples"], responses=ERRORS)
@@ -25,16 +25,8 @@ router = APIRouter(prefix="/samples", tags=["samples"], responses=ERRORS)
 _BASE = "/api/v1/samples/"
 _PAD, _CAMERA = "pad.json", "camera.yaml"
 _FLIGHT, _FLIGHT_CAMERA, _FLIGHT_NAME = "flight/landing.mp4", "flight/camera.yaml", "sample landing"
-_FILE: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The file.",
-        "content": {
-            "image/jpeg": {"schema": {"type": "string", "format": "binary"}},
-            "application/json": {"schema": {"type": "object"}, "example": {"format": "..."}},
-            "application/yaml": {"schema": {"type": "string"}},
-        },
-    }
-}
+_MEDIA_TYPES = {".jpg": "image/jpeg", ".json": "application/json", ".yaml": "application/yaml"}
+_FILE = file_answer("The file.", *_MEDIA_TYPES.values()) | PARTS
 
 
 class SampleList(BaseModel):
@@ -106,8 +98,9 @@ def get_sample_file(
 ) -> FileResponse:
     path = resources.sample_folder() / name
     if not path.is_file():
-        raise NotFoundError(f"the sample has no file {name!r}; GET {_BASE[:-1]} lists them")
-    return FileResponse(path, headers={"Cache-Control": "no-cache"})
+        raise NotFoundError(f"the sample has no file {shown(name)}; GET {_BASE[:-1]} lists them")
+    kept = {"Cache-Control": "no-cache"}
+    return FileResponse(path, media_type=_MEDIA_TYPES[path.suffix], headers=kept)
 
 
 def _order(name: str) -> tuple[bool, int, str]:

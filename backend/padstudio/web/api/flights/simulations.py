@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from fastapi import APIRouter, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import FileResponse
@@ -27,23 +25,22 @@ from padstudio.web.schemas.planning import (
     SimulatedFrame,
 )
 from padstudio.web.schemas.simulations import Simulation, SimulationSpec
-from padstudio.web.server.services import ERRORS, ItemId, Services, Shared, accepted, attachment
+from padstudio.web.server.services import (
+    ERRORS,
+    PARTS,
+    ItemId,
+    Services,
+    Shared,
+    accepted,
+    attachment,
+    file_answer,
+)
 from padstudio.web.server.simulation_service import SimulationJob
 from padstudio.workers import frames, simulated_flights
 
 router = APIRouter(tags=["simulate"], responses=ERRORS)
 
-_ZIP: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "Pictures or video, truth, pad and camera.",
-        "content": {
-            "application/zip": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(the bytes of a zip file)",
-            }
-        },
-    }
-}
+_ZIP = file_answer("Pictures or video, truth, pad and camera.", "application/zip") | PARTS
 
 
 @router.post(

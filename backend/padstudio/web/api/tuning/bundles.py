@@ -14,27 +14,23 @@ from fastapi.responses import StreamingResponse
 from padstudio.flights.bundles import making, opening
 from padstudio.flights.bundles.runs import frame_of_run
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.presets import PRESETS
 from padstudio.store.database.data_folder import remove
 from padstudio.store.store import Store, new_id
-from padstudio.web.api.cameras import describe_camera
+from padstudio.web.api.cameras import id_of_camera
 from padstudio.web.api.tuning.looks import OnTheBench, on_the_bench
 from padstudio.web.schemas.bundles import BundleRequest, KeptAnswer
-from padstudio.web.server.services import ERRORS, Services, Shared, attachment, check_size
+from padstudio.web.server.services import (
+    ERRORS,
+    Services,
+    Shared,
+    attachment,
+    check_size,
+    file_answer,
+)
 
 router = APIRouter(prefix="/bundles", tags=["tune"], responses=ERRORS)
 
-_ZIP: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The bundle, as an attachment.",
-        "content": {
-            "application/zip": {
-                "schema": {"type": "string", "format": "binary"},
-                "example": "(the bytes of a zip)",
-            }
-        },
-    }
-}
+_ZIP = file_answer("The bundle, as an attachment.", "application/zip")
 # Frames that are followed in the time that one is looked at in full, with room to spare.
 _FRAMES_A_LOOK = 30
 _PART_BYTES = 1 << 20
@@ -135,7 +131,7 @@ def _keep(store: Store, found: dict[str, Any], folder: Path) -> KeptAnswer:
         **told,
         "pad": pads[0]["id"],
         "others": [pad["id"] for pad in pads[1:]],
-        "camera": _camera_id(store, found["camera"]),
+        "camera": id_of_camera(store, Camera.loads(found["camera"])),
         "result_now": now.pop("result"),
         "recorded_now": now.pop("recorded"),
         "alone_now": now.pop("alone"),
@@ -154,10 +150,3 @@ def _keep(store: Store, found: dict[str, Any], folder: Path) -> KeptAnswer:
     )
     store.traces.add(trace_id, folder, answer.model_dump(mode="json"))
     return answer
-
-
-def _camera_id(store: Store, text: str) -> str:
-    for preset in PRESETS.values():
-        if preset.camera.to_ros_yaml() == text:
-            return preset.id
-    return store.cameras.add(text, describe_camera(Camera.loads(text), "")).id

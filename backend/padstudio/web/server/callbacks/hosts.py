@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
-import socket
 from collections.abc import Sequence
 
 import httpx
 
 from padstudio.errors import SpecError, StudioError
+from padstudio.network import lookup, may_lead_to
 
 #: Of an address, characters.
 MAX_URL = 2000
@@ -21,7 +20,6 @@ _ENTRY = re.compile(
 _PORTS = {"http": 80, "https": 443}
 # Printable ASCII: nothing that two readers of an address could take differently.
 _PLAIN = re.compile(r"[!-~]+")
-_Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
 class CallbackError(StudioError):
@@ -53,6 +51,9 @@ class CallbackHosts:
             if parts is None or url is None:
                 raise ValueError(f"{entry!r} must be host or host:port, without anything else")
             self._allowed.add((host_of(url), int(parts[2]) if parts[2] else None))
+
+    def __bool__(self) -> bool:
+        return bool(self._allowed)
 
     def check(self, text: str) -> httpx.URL:
         """The address as it is called.
@@ -92,29 +93,19 @@ def port_of(url: httpx.URL) -> int:
 def resolve(host: str, port: int) -> str:
     """The IP address that a host is called at.
 
-    Names lead to private and loopback addresses where an operator's own resolver says so, but never
-    to link-local ones, where clouds keep their secrets, nor to groups of hosts.
-
     Raises
     ------
     CallbackError
         If it has no address, or none that may be called.
     """
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        addresses = lookup(host, port)
     except OSError as error:
         raise CallbackError(f"{host} has no address: {error.strerror or error}") from error
-    addresses = [str(entry[4][0]) for entry in found]
     for address in addresses:
-        if host == address or not _is_special(ipaddress.ip_address(address.partition("%")[0])):
+        if may_lead_to(host, address):
             return address
     raise CallbackError(f"{host} leads to {addresses[0]}, which no name may lead to")
-
-
-def _is_special(address: _Address) -> bool:
-    if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped:
-        address = address.ipv4_mapped
-    return address.is_link_local or address.is_multicast or address.is_unspecified
 
 
 def _parsed(text: str) -> httpx.URL | None:

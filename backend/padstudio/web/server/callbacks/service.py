@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, wait
 from datetime import UTC, datetime
 from functools import cached_property
 
@@ -29,6 +29,8 @@ logger = logging.getLogger(__name__)
 #: Waits after each attempt but the last: a day and some hours in all.
 WAITS_S = (5.0, 60.0, 300.0, 1800.0, 7200.0, 18_000.0, 36_000.0, 36_000.0)
 _LOOK_S = 1.0
+# Where nobody may be called, there can only be orders of an earlier server, to be refused.
+_REST_S = 30.0
 _AT_A_TIME = 4
 _TIMEOUT_S = 10.0
 
@@ -68,7 +70,7 @@ class CallbackService:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop after the attempts under way; what is undelivered is tried at the next start."""
+        """Stop; what is not known to be delivered is tried again at the next start."""
         self._closing.set()
         if self._thread.is_alive():
             self._thread.join()
@@ -76,13 +78,16 @@ class CallbackService:
     def make_due(self) -> int:
         """Make the callbacks that are due, and wait for their answers; how many there were."""
         due = self._callbacks.due(_AT_A_TIME)
-        with ThreadPoolExecutor(_AT_A_TIME, "callback") as threads:
-            for made in [threads.submit(self._make, each) for each in due]:
-                made.result()
+        attempts = [_begin(self._make, each) for each in due]
+        for attempt in attempts:
+            while not (attempt.done() or self._closing.is_set()):
+                wait([attempt], _LOOK_S / 10)
+            if attempt.done():
+                attempt.result()
         return len(due)
 
     def _run(self) -> None:
-        while not self._closing.wait(_LOOK_S):
+        while not self._closing.wait(_LOOK_S if self._hosts else _REST_S):
             try:
                 while not self._closing.is_set() and self.make_due():
                     pass
@@ -140,3 +145,19 @@ class CallbackService:
             timeout=_TIMEOUT_S,
             limits=httpx.Limits(max_keepalive_connections=0),
         )
+
+
+def _begin(make: Callable[[DueCallback], None], due: DueCallback) -> Future[None]:
+    """Make a callback in a thread that does not keep the server from ending, as executors' do."""
+    attempt: Future[None] = Future()
+
+    def run() -> None:
+        try:
+            make(due)
+        except BaseException as error:
+            attempt.set_exception(error)
+        else:
+            attempt.set_result(None)
+
+    threading.Thread(target=run, name="callback", daemon=True).start()
+    return attempt

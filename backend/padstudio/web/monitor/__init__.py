@@ -1,0 +1,1 @@
+"""A live session over HTTP: what it sees, as it sees it, and its last frames."""

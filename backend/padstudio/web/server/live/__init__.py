@@ -1,0 +1,1 @@
+"""Live sessions of a server: each in a process of its own."""
