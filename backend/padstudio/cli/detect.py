@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import hashlib
 import json
 import logging
 import os
@@ -141,8 +143,10 @@ def detect(
     else:
         the_camera = open_camera(camera, no_distortion=no_distortion)
     recipe = _recipe(pad, the_camera, method, settings)
+    run = _run_of(recipe, fusion, stride, apply_rotation, topic)
+    target = _Target(output, run, paths)
     pieces = batch.plan(paths, recipe, stride=stride, apply_rotation=apply_rotation, topic=topic)
-    with _writer(output, resume=resume, force=force) as (file, earlier):
+    with target.opened(resume=resume, force=force) as (file, earlier):
         _check_same_run(earlier, pieces)
         total = sum(len(piece.numbers) for piece in pieces)
         outcomes, frames_done, last = list(earlier.values()), len(earlier), None
@@ -150,7 +154,7 @@ def detect(
             progress(frames_done)
             workers = _jobs(jobs, total, len(pieces))
             for record in batch.detect(pieces, jobs=workers, done=earlier, fusion=fusion):
-                outcomes.append(write_record(record, file))
+                outcomes.append(write_record(record | target.about, file))
                 place = record["source"], record["frame"]
                 frames_done, last = frames_done + (place != last), place
                 progress(frames_done)
@@ -197,30 +201,66 @@ def _jobs(asked: int, frames: int, pieces: int) -> int:
     return asked or max(1, min(os.cpu_count() or 1, frames // _FRAMES_PER_JOB, pieces))
 
 
-@contextmanager
-def _writer(
-    output: str, *, resume: bool, force: bool
-) -> Iterator[tuple[IO[str], dict[tuple[str, int], Figures]]]:
-    """The file to write to, and the figures of the frames that it holds already."""
-    if resume and (output == "-" or force):
-        raise typer.BadParameter("--resume goes on with the file of -o; it excludes --force")
-    if output == "-":
-        yield sys.stdout, {}
-        return
-    path = Path(output)
-    earlier: dict[tuple[str, int], Figures] = {}
-    if resume and path.exists():
-        earlier = _earlier(path)
-    else:
-        check_output(path, force=force)
-    with path.open("a" if earlier else "w", encoding="utf-8") as file:
-        yield file, earlier
+def _run_of(recipe: Recipe, *how: object) -> str:
+    """A short word for all that decides on the poses of a frame, whatever the run's frames are."""
+    told = json.dumps([dataclasses.astuple(recipe), *how])
+    return hashlib.sha256(told.encode()).hexdigest()[:16]
 
 
-def _earlier(path: Path) -> dict[tuple[str, int], Figures]:
-    """What a poses file holds; a last line that was cut off is cut away."""
-    cut_unfinished_line(path)
-    return {(record["source"], record["frame"]): figures_of(record) for record in read_poses(path)}
+@dataclasses.dataclass(frozen=True)
+class _Target:
+    """Where records go.
+
+    Attributes
+    ----------
+    output : str
+        Of the option.
+    run : str
+        As of `_run_of`.
+    inputs : sequence of Path
+        Frames that are read, which it must not be.
+    """
+
+    output: str
+    run: str
+    inputs: Sequence[Path]
+
+    @property
+    def about(self) -> dict[str, str]:
+        """What records say in a file, with which a run may go on."""
+        return {} if self.output == "-" else {"run": self.run}
+
+    @contextmanager
+    def opened(
+        self, *, resume: bool, force: bool
+    ) -> Iterator[tuple[IO[str], dict[tuple[str, int], Figures]]]:
+        """The file to write to, and the figures of the frames that it holds already."""
+        if resume and (self.output == "-" or force):
+            raise typer.BadParameter("--resume goes on with the file of -o; it excludes --force")
+        if self.output == "-":
+            yield sys.stdout, {}
+            return
+        path = Path(self.output)
+        goes_on = resume and path.exists()
+        check_output(path, force=force or goes_on, inputs=self.inputs)
+        earlier = self._earlier(path) if goes_on else {}
+        with path.open("a" if earlier else "w", encoding="utf-8") as file:
+            yield file, earlier
+
+    def _earlier(self, path: Path) -> dict[tuple[str, int], Figures]:
+        """What a poses file of this run holds; a last line that was cut off is cut away."""
+        found: dict[tuple[str, int], Figures] = {}
+        for record in read_poses(path, may_be_cut=True):
+            if record.get("run") != self.run:
+                raise StudioError(
+                    f"{path.name} was made with another camera, pad, method, parameters or other "
+                    "options, or by a version that did not note them; --resume takes those of the "
+                    "first run, else make the file anew with --force",
+                    code="another_run",
+                )
+            found[record["source"], record["frame"]] = figures_of(record)
+        cut_unfinished_line(path)
+        return found
 
 
 def _check_same_run(earlier: Collection[tuple[str, int]], pieces: Sequence[batch.Piece]) -> None:

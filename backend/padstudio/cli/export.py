@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import sys
 from collections import Counter
@@ -13,12 +12,22 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import typer
 
-from padstudio.cli.support import NoDistortion, check_output, note, open_camera
-from padstudio.errors import StudioError
+from padstudio.autopilot.vehicle import Mount, VehicleTrack
+from padstudio.bounded_files import open_regular
+from padstudio.cli.support import (
+    Down,
+    Forward,
+    NoDistortion,
+    Right,
+    Turned,
+    check_output,
+    finite,
+    note,
+    open_camera,
+)
 from padstudio.flights.exports.forms import FULL_POSES_ONLY
 from padstudio.flights.exports.from_file import PosesFile, export_file
 from padstudio.flights.exports.options import ExportChoices
-from padstudio.flights.exports.vehicle import Mount, VehicleTrack
 from padstudio.media import content
 from padstudio.media.telemetry.reading import read
 from padstudio.pad.spec import Pad
@@ -30,12 +39,6 @@ _EXAMPLES = (
 )
 
 _LEFT_OUT = {"bearing": "quality bearing", "unknown": "unknown quality"}
-
-
-def _finite(value: float) -> float:
-    if not math.isfinite(value):
-        raise typer.BadParameter("give a finite number")
-    return value
 
 
 Poses = Annotated[Path, typer.Argument(help="Poses file (*.jsonl).")]
@@ -61,32 +64,15 @@ FrameSize = Annotated[
     str | None,
     typer.Option(help="Of poses files that do not say it: width x height, as 1920x1080."),
 ]
-# Bounds as in REST. Limits of options alone would let NaN pass.
+# Bounds as in REST.
 Start = Annotated[
     float,
-    typer.Option(min=0, max=2**33, callback=_finite, help="Unix time of the flight's time 0, s."),
+    typer.Option(min=0, max=2**33, callback=finite, help="Unix time of the flight's time 0, s."),
 ]
 Vehicle = Annotated[
     Path | None,
     typer.Option(help="Where the vehicle was, for px4: its log, or a CSV; see docs/exports.md."),
 ]
-Turned = Annotated[
-    float,
-    typer.Option(
-        min=-360,
-        max=360,
-        callback=_finite,
-        help="Of MAVLink: camera turned clockwise; at 0 its up is forward.",
-    ),
-]
-Forward = Annotated[
-    float,
-    typer.Option(min=-100, max=100, callback=_finite, help="Camera ahead of the vehicle's centre."),
-]
-Right = Annotated[
-    float, typer.Option(min=-100, max=100, callback=_finite, help="Camera to the right of it.")
-]
-Down = Annotated[float, typer.Option(min=-100, max=100, callback=_finite, help="Camera below it.")]
 Force = Annotated[bool, typer.Option("--force", help="Write over an existing file.")]
 
 
@@ -114,6 +100,8 @@ def export(
     force: Force = False,
 ) -> None:
     """Write a poses file in the form of another program."""
+    if output != "-":
+        check_output(Path(output), force=force)
     choices = ExportChoices(
         form=form,
         pad_id=pad_id,
@@ -129,7 +117,7 @@ def export(
         frame_px=None if frame_size is None else _size(frame_size),
     )
     found = export_file(file, choices)
-    _write(found.blocks, output, force=force)
+    _write(found.blocks, output)
     if output != "-":
         note(f"{output}: {found.survey.qualities.total()} frames as {form}")
     _say_left_out(form, found.survey.qualities)
@@ -139,18 +127,17 @@ def export(
         note(f"{found.files.missing} frames are without a picture: their files are not there")
 
 
-def _write(blocks: Iterator[bytes], output: str, *, force: bool) -> None:
+def _write(blocks: Iterator[bytes], output: str) -> None:
     """Write what comes; a file that a fault leaves half written is taken away."""
     if output == "-":
         for block in blocks:
             sys.stdout.buffer.write(block)
         return
     path = Path(output)
-    check_output(path, force=force)
     try:
         with path.open("wb") as file:
             file.writelines(blocks)
-    except StudioError:
+    except BaseException:
         path.unlink()
         raise
 
@@ -172,7 +159,7 @@ def _say_left_out(form: str, qualities: Counter[str]) -> None:
 
 def _vehicle(path: Path) -> dict[str, Any]:
     """What `ExportChoices` has of a file of the vehicle's: a table's track, or a log."""
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         is_log = content.is_log(file.read(content.HEAD_BYTES))
     if is_log:
         return {"log": read(str(path))}

@@ -27,6 +27,7 @@ COMMANDS = {
     "crosstalk": "Read a photo of the test strip; frames are then un-mixed by what printer and "
     "camera do.",
     "detect": "Find the pad in frames and write their poses, one JSON object a line.",
+    "live": "Poses from a camera's stream as its frames come: always the newest frame.",
     "remote": "Have a server find the pad in frames, and write their poses as detect does.",
     "cameras": "List the nominal cameras that --camera takes in place of a file.",
     "camera": "Show what a camera file says, or write the camera in another form.",
@@ -41,7 +42,11 @@ COMMANDS = {
     "poses.",
     "coverage": "Show the heights and tilts at which each layer of a pad, and the sign as a "
     "whole, reads.",
+    "budget": "Say how much of a pose's error comes from what, and which change would help most.",
     "advise": "Advise cell size, ratio of the layers and pad size for a range of heights.",
+    "shootout": "Compare a pad with other boards of its printed size on the same simulated flight.",
+    "reproduce": "Make the paper's experiments again on the simulator, with both methods: which "
+    "claims hold?",
     "serve": "Serve the studio's pages and its REST interface until Ctrl-C.",
     "worker": "Work on flights for a cluster's scheduler until it ends, or Ctrl-C.",
 }
@@ -52,6 +57,8 @@ _FOLDERS = {
         "cameras.": ("cameras", "camera", "readout", "calibrate"),
         "bundles.": ("bundle", "replay"),
         "remote.": ("remote",),
+        "live.": ("live",),
+        "experiments.": ("budget", "shootout", "reproduce"),
     }.items()
     for command in commands
 }

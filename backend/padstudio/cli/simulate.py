@@ -99,6 +99,12 @@ def simulate(
             f"{output} exists; give another name, or --force to write into it", code="file_exists"
         )
     check_output(output, force=True)
+    for each in (pad, camera.rpartition("#")[0] or camera):
+        if each and Path(each).is_file() and output.resolve() in Path(each).resolve().parents:
+            raise ConflictError(
+                f"{each} lies in {output}, which is written over; name another folder",
+                code="output_is_input",
+            )
     spec = trajectories.FlightSpec(
         kind=flight,  # type: ignore[arg-type]  # FlightSpec names the choices itself
         frames=frames,

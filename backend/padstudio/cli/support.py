@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import os
+import signal
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,18 +27,80 @@ NoDistortion = Annotated[
     bool,
     typer.Option("--no-distortion", help="The lens has none, and the camera file is silent of it."),
 ]
+
+
+def finite(value: float) -> float:
+    """Refuse what is no finite number; limits of options alone would let NaN pass."""
+    if not math.isfinite(value):
+        raise typer.BadParameter("give a finite number")
+    return value
+
+
+# How the camera sits on its vehicle; bounds as in REST.
+Turned = Annotated[
+    float,
+    typer.Option(
+        min=-360,
+        max=360,
+        callback=finite,
+        help="Of MAVLink: camera turned clockwise; at 0 its up is forward.",
+    ),
+]
+Forward = Annotated[
+    float,
+    typer.Option(min=-100, max=100, callback=finite, help="Camera ahead of the vehicle's centre."),
+]
+Right = Annotated[
+    float, typer.Option(min=-100, max=100, callback=finite, help="Camera to the right of it.")
+]
+Down = Annotated[float, typer.Option(min=-100, max=100, callback=finite, help="Camera below it.")]
+LeanForward = Annotated[
+    float,
+    typer.Option(
+        "--lean-forward-deg",
+        min=-89,
+        max=89,
+        callback=finite,
+        help="Its optical axis leans forward from straight down.",
+    ),
+]
+LeanRight = Annotated[
+    float,
+    typer.Option(
+        "--lean-right-deg",
+        min=-89,
+        max=89,
+        callback=finite,
+        help="Its optical axis leans to the right from straight down.",
+    ),
+]
 #: Exit code of a wrong command line or input, as the shell's and click's own.
 EXIT_USAGE = 2
 #: Exit code of a program ended by Ctrl-C: 128 and the signal's number.
 EXIT_INTERRUPTED = 130
+#: Exit code of a program ended by SIGTERM, likewise.
+EXIT_ENDED = 143
 #: Exit code of a defect in the program (sysexits.h, EX_SOFTWARE).
 EXIT_DEFECT = 70
+
+
+#: The running program's command line.
+_words: ContextVar[tuple[str, ...]] = ContextVar("words", default=())
+
+
+def _end(_signal: int, _frame: object) -> None:
+    """End in order, and say nothing: whoever sent the signal knows."""
+    raise SystemExit(EXIT_ENDED)
 
 
 class StudioGroup(TyperGroup):
     """Commands whose errors are one line, ``error: … (code)``, and an exit code."""
 
     def main(self, *args: Any, **options: Any) -> Any:
+        given = args[0] if args else options.get("args")
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, _end)
+        _words.set(tuple(sys.argv[1:] if given is None else given))
         try:
             sys.exit(super().main(*args, **options | {"standalone_mode": False}))
         except StudioError as error:
@@ -126,13 +192,50 @@ def check_said(
         raise typer.BadParameter("--no-distortion is of the file of --camera; give that too")
 
 
-def check_output(path: Path, *, force: bool) -> None:
-    """Refuse to write over a file, or into a folder that is not there.
+def _is_among(path: Path, others: Iterable[Path]) -> bool:
+    """Whether a file is one of others, under whatever name or link."""
+    found = path.stat()
+    for other in others:
+        with suppress(OSError, ValueError):
+            if os.path.samestat(found, other.stat()):
+                return True
+    return False
+
+
+def _times_named(path: Path) -> int:
+    """How many words of the command line name a file, under whatever name or link."""
+    count = 0
+    for word in _words.get():
+        names = [word, word.partition("=")[2]]
+        if word.startswith("-") and not word.startswith("--"):
+            names.append(word[2:])
+        # A camera of a file with several is named FILE#NAME.
+        names += [name.rpartition("#")[0] for name in names]
+        count += _is_among(path, [Path(name) for name in names if name])
+    return count
+
+
+def check_output(path: Path, *, force: bool, inputs: Iterable[Path] = ()) -> None:
+    """Refuse to write over a file, over what the command reads, or into a folder that is not there.
+
+    Parameters
+    ----------
+    path : Path
+    force : bool
+        Files may be written over, but never those that are read.
+    inputs : iterable of Path
+        Beside those that the command line names one by one.
 
     Raises
     ------
     ConflictError, NotFoundError
     """
+    # The option itself names it once.
+    if path.is_file() and (_is_among(path, inputs) or _times_named(path) > 1):
+        raise ConflictError(
+            f"{path} is what this command reads; give the output another name",
+            code="output_is_input",
+        )
     if path.exists() and not force:
         raise ConflictError(
             f"{path} exists; give another name, or --force to write over it", code="file_exists"

@@ -28,6 +28,15 @@ Jobs = Annotated[
     typer.Option("-j", "--jobs", min=0, max=256, help="Processes; 0 takes one for every core."),
 ]
 Memory = Annotated[int, typer.Option(min=500, help="Memory that each of them may take, MB.")]
+Idle = Annotated[
+    float,
+    typer.Option(
+        "--idle-s",
+        min=1,
+        envvar="PADSTUDIO_WORKER_IDLE_SECONDS",
+        help="After so long without a task a process gives its memory back.",
+    ),
+]
 
 
 def _pem(variable: str, holds: str) -> Any:
@@ -52,6 +61,7 @@ def worker(
     key: Annotated[Path | None, _pem("KEY", "its key")] = None,
     jobs: Jobs = 0,
     memory_mb: Memory = 3000,
+    idle_s: Idle = 600,
 ) -> None:
     """Work on flights for a cluster's scheduler until it ends, or Ctrl-C.
 
@@ -69,5 +79,6 @@ def worker(
             cluster,
             jobs or os.cpu_count() or 1,
             memory_mb * 1_000_000,
+            idle_s,
             joined=lambda count: note(f"{count} workers joined {scheduler} (Ctrl-C ends them)"),
         )

@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal
 import typer
 
 from padstudio.cli.support import NoDistortion, check_output, note, open_camera
-from padstudio.errors import ImageError, LimitError
 from padstudio.flights import batch
 from padstudio.flights.bundles.contents import Bundle, pack
 from padstudio.flights.bundles.making import Beside, RunFrame, Wish, bundle_run, bundle_still
@@ -86,7 +85,7 @@ def bundle(
     else:
         if frame is not None:
             raise typer.BadParameter(f"{source.name} is a still: leave --frame out")
-        made = bundle_still(recipe, _bytes_of(source), source.name)
+        made = bundle_still(recipe, images.read_file(source), source.name)
     output.write_bytes(pack(made))
     place = source.name if frame is None else f"{source.name}, frame {frame}"
     note(f"{output}: {place}, {_in_words(made)}")
@@ -132,12 +131,3 @@ def _in_words(made: Bundle) -> str:
 
 def _outcome(result: dict[str, Any]) -> str:
     return "pose" if result["status"] == "ok" else f"{result['stage']}: {result['reason']}"
-
-
-def _bytes_of(picture: Path) -> bytes:
-    try:
-        if picture.stat().st_size > images.MAX_BYTES:
-            raise LimitError(f"{picture.name} is larger than {images.MAX_BYTES // 1_000_000} MB")
-        return picture.read_bytes()
-    except OSError as error:
-        raise ImageError(f"cannot read {picture.name}: {error.strerror}") from error

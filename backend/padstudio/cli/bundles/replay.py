@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from padstudio.bounded_files import read_whole
 from padstudio.cli.outcomes import EXIT_NOTHING_FOUND
 from padstudio.errors import LimitError, NotFoundError
 from padstudio.flights.bundles.members import MAX_BYTES
@@ -29,14 +30,14 @@ def replay(bundle: BundleFile, as_json: AsJson = False) -> None:
     The exit code is 0 if the result is the very same, 1 if not, 2 for wrong input.
     """
     try:
-        if bundle.stat().st_size > MAX_BYTES:
-            raise LimitError(
-                f"{bundle.name} is larger than {MAX_BYTES // 1_000_000} MB, as no bundle is",
-                code="bundle_too_large",
-            )
-        data = bundle.read_bytes()
+        data = read_whole(bundle, MAX_BYTES)
     except OSError as error:
         raise NotFoundError(f"cannot read {bundle.name}: {error.strerror}") from error
+    if len(data) > MAX_BYTES:
+        raise LimitError(
+            f"{bundle.name} is larger than {MAX_BYTES // 1_000_000} MB, as no bundle is",
+            code="bundle_too_large",
+        )
     found = read_again(unpack(data))
     typer.echo(json.dumps(found) if as_json else _words(found))
     if not found["same"]:

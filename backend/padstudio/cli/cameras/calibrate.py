@@ -65,11 +65,12 @@ def calibrate(
     Lay the pad flat, keep zoom and focus, hold still, and take it from straight above and from
     20 to 45 degrees aside, large, and once in every corner of the picture.
     """
+    paths = find_frames(pictures)
     for path in (output, report):
         if path is not None:
-            check_output(path, force=force)
+            check_output(path, force=force, inputs=paths)
     the_pad = Pad.load(pad)
-    shown = read_pictures([(path.name, path) for path in find_frames(pictures)])
+    shown = read_pictures([(path.name, path) for path in paths])
     found = _calibrated(the_pad, shown, lens)
     _show(found, shown)
     camera = replace(found.camera, name=output.stem)

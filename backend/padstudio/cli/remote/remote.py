@@ -11,6 +11,7 @@ from typing import IO, Annotated, Any
 
 import typer
 
+from padstudio.bounded_files import read_whole
 from padstudio.cli.outcomes import EXIT_NOTHING_FOUND, Figures, show_summary, write_record
 from padstudio.cli.reading_options import (
     AtRest,
@@ -89,6 +90,9 @@ Patience = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", help="Write over existing files.")]
 
+# As of a server's own limit on telemetry.
+_MOST_VEHICLE_BYTES = 64_000_000
+
 
 def register(app: typer.Typer) -> None:
     """Add the command to the program."""
@@ -141,11 +145,11 @@ def remote(
     exports = Exports(
         _pairs("--export", export or []),
         _pairs("--export-option", export_option or []),
-        None if vehicle is None else vehicle.read_bytes(),
+        None if vehicle is None else read_whole(vehicle, _MOST_VEHICLE_BYTES),
     )
     outputs = [] if output == "-" else [output]
-    _check_outputs([*outputs, *exports.files.values()], force=force)
     paths = find_frames(frames)
+    _check_outputs([*outputs, *exports.files.values()], paths, force=force)
     _check_kinds(paths)
     check_said(paths, topic=topic, camera=camera, no_distortion=no_distortion)
     studio = Server(server, os.environ.get(TOKEN), patience_s=patience_s, tell=note)
@@ -198,12 +202,12 @@ def _pairs(option: str, words: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _check_outputs(paths: Sequence[str], *, force: bool) -> None:
+def _check_outputs(outputs: Sequence[str], inputs: Sequence[Path], *, force: bool) -> None:
     """Refuse what could not be written, before anything is sent."""
-    if len(set(paths)) < len(paths):
+    if len(set(outputs)) < len(outputs):
         raise typer.BadParameter("two outputs have one name; give each its own")
-    for path in paths:
-        check_output(Path(path), force=force)
+    for path in outputs:
+        check_output(Path(path), force=force, inputs=inputs)
 
 
 def _sent(server: Server, paths: Sequence[Path]) -> tuple[list[LocalFile], list[str]]:

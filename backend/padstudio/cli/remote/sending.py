@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from padstudio.bounded_files import open_regular
 from padstudio.cli.remote.server import API, Server, ServerError, is_passing
 
 _TUS = {"Tus-Resumable": "1.0.0"}
@@ -49,7 +50,7 @@ class LocalFile:
 def look_at(path: Path, progress: Callable[[int], None]) -> LocalFile:
     """Read a file through; `progress` is told how many bytes were read."""
     digest, size = hashlib.sha256(), 0
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         while block := file.read(_BLOCK_BYTES):
             digest.update(block)
             size += len(block)

@@ -1,0 +1,1 @@
+"""Commands that make experiments on the simulator."""
