@@ -21,7 +21,14 @@ LIMITS = {
     "generate_seconds": 20,
     "detect_seconds": 60,
 }
-_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# The headless shell opens a page at a sixth of the cost of a browser that could show windows.
+_NAMES = (
+    "chromium-headless-shell",
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+)
 _MAC = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
@@ -57,17 +64,25 @@ def flight_path(studio_url: str, footage: tuple[Path, Path]) -> str:
 
 
 @pytest.fixture(scope="package")
-def browser() -> Iterator[Browser]:
-    """The system's Chromium or Chrome."""
+def launch() -> Iterator[Callable[..., Browser]]:
+    """Starts the system's Chromium or Chrome, with further flags."""
     candidates = [os.environ.get("PADSTUDIO_CHROMIUM"), *map(shutil.which, _NAMES), *_MAC]
     found = next((path for path in candidates if path and Path(path).exists()), None)
     assert found, "no Chromium or Chrome: install one, or name it in PADSTUDIO_CHROMIUM"
     # The first picture waits for a worker process to start, on a machine that tests keep busy.
-    expect.set_options(timeout=30_000)
+    expect.set_options(timeout=120_000)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=_FLAGS)
-        yield browser
-        browser.close()
+        yield lambda *flags: playwright.chromium.launch(
+            executable_path=found, args=[*_FLAGS, *flags]
+        )
+
+
+@pytest.fixture(scope="package")
+def browser(launch: Callable[..., Browser]) -> Iterator[Browser]:
+    """The browser of most tests, without a camera."""
+    browser = launch()
+    yield browser
+    browser.close()
 
 
 @pytest.fixture
@@ -93,7 +108,7 @@ def open_page(
         )
         contexts.append(context)
         page = context.new_page()
-        page.set_default_timeout(30_000)
+        page.set_default_timeout(120_000)
         complaints.watch(page, urlsplit(studio_url).netloc)
         page.goto(path)
         return page

@@ -7,13 +7,13 @@ from itertools import groupby, pairwise
 from typing import Any
 
 import pytest
-from browser_support import STILL, set_up_reading
+from browser_support import STILL, THEMES, choose, set_up_reading, show_theme
 from camera_page import calibrate_on
 from playwright.sync_api import Page, expect
 
 #: The last stands for the page of a flight that is done.
-PAGES = ("/design?rows=25&cols=25", "/diagnose", "/flights", "/cameras", "flight")
-LOOKS = [(width, theme) for width in (1280, 390) for theme in ("light", "dark")]
+PAGES = ("/design?rows=25&cols=25", "/diagnose", "/flights", "/cameras", "/live", "flight")
+WIDTHS = (1280, 390)
 
 # Elements that a user operates or reads, without those that are hidden.
 _NAMELESS = """() => [
@@ -89,12 +89,12 @@ def address(request: pytest.FixtureRequest, path: str) -> str:
     return str(request.getfixturevalue("flight_path")) if path == "flight" else path
 
 
-@pytest.mark.parametrize(("width", "theme"), LOOKS)
+@pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("path", PAGES)
 def test_names_contrast_and_width(
-    open_page: Callable[..., Page], address: str, path: str, width: int, theme: str
+    open_page: Callable[..., Page], address: str, path: str, width: int
 ) -> None:
-    page = open_page(address, width=width, theme=theme)
+    page = open_page(address, width=width)
     if path == "flight":
         expect(page.locator("#verdict")).to_contain_text("Pose found")
         page.locator("#charts").scroll_into_view_if_needed()
@@ -102,7 +102,7 @@ def test_names_contrast_and_width(
         expect(chart).to_be_attached(timeout=120_000)
     elif path == "/cameras":
         calibrate_on(page)
-    elif path == "/flights":
+    elif path in ("/flights", "/live"):
         expect(page.locator("#order")).to_be_visible()
     elif path.startswith("/diagnose"):
         set_up_reading(page)
@@ -112,7 +112,9 @@ def test_names_contrast_and_width(
     else:
         expect(page.locator("#pad-facts")).to_contain_text("25 × 25")
     assert page.evaluate(_NAMELESS) == []
-    assert page.evaluate(_FAINT) == []
+    for theme in THEMES:
+        show_theme(page, theme)
+        assert page.evaluate(_FAINT) == [], theme
     assert page.evaluate(_OVERFLOWING) == []
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
@@ -189,10 +191,10 @@ def test_the_theme_switch_outlives_a_reload(open_page: Callable[..., Page]) -> N
     page = open_page("/design?rows=25&cols=25")
     ground = "() => getComputedStyle(document.body).backgroundColor"
     light = page.evaluate(ground)
-    page.get_by_role("radio", name="Dark").check(force=True)
+    choose(page, "Dark")
     dark = page.evaluate(ground)
     assert dark != light
     page.reload()
     assert page.evaluate(ground) == dark
-    page.get_by_role("radio", name="Auto").check(force=True)
+    choose(page, "Auto")
     assert page.evaluate(ground) == light

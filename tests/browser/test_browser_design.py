@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from browser_support import PAD_FILE
+from browser_support import PAD_FILE, choose
 from playwright.sync_api import Page, expect
 
 SMALL = "/design?rows=20&cols=30&ratio=4&cell_mm=5&quiet_mm=10&name=small"
@@ -33,9 +33,9 @@ def test_preview_shows_the_print_and_each_layer(open_page: Callable[..., Page]) 
     page = open_page(SMALL)
     # Grey lines between the cells lend every channel a little.
     assert [value > 60 for value in _drawn(page)] == [True, False, True]
-    page.get_by_role("radio", name=re.compile("Red layer")).check(force=True)
+    choose(page, re.compile("Red layer"))
     assert [value > 60 for value in _drawn(page)] == [True, False, False]
-    page.get_by_role("radio", name=re.compile("Blue layer")).check(force=True)
+    choose(page, re.compile("Blue layer"))
     assert [value > 60 for value in _drawn(page)] == [False, False, True]
     expect(page).to_have_url(re.compile("view=blue"))
 

@@ -32,7 +32,7 @@ def elsewhere(browser: Browser, fresh_url: str, complaints: Complaints) -> Itera
         base_url=fresh_url, viewport={"width": 1280, "height": 1100}, locale="en-GB"
     )
     page = context.new_page()
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(120_000)
     complaints.watch(page, urlsplit(fresh_url).netloc)
     page.goto("/diagnose")
     yield page
@@ -41,7 +41,7 @@ def elsewhere(browser: Browser, fresh_url: str, complaints: Complaints) -> Itera
 
 
 def _saved(page: Page, folder: Path) -> Path:
-    with page.expect_download(timeout=60_000) as waiting:
+    with page.expect_download(timeout=120_000) as waiting:
         page.get_by_role("button", name="Failure bundle").click()
     path = folder / waiting.value.suggested_filename
     waiting.value.save_as(path)
@@ -51,7 +51,7 @@ def _saved(page: Page, folder: Path) -> Path:
 
 def _opened(page: Page, bundle: Path) -> None:
     page.get_by_label("Choose pictures").set_input_files(bundle)
-    expect(page.locator("#status")).to_contain_text("Opened the bundle", timeout=60_000)
+    expect(page.locator("#status")).to_contain_text("Opened the bundle", timeout=120_000)
     expect(page.locator("#workbench .tile").first).to_be_visible()
     expect(page.locator("#workbench [data-ref=busy]")).to_be_hidden()
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from browser_support import PAD_FILE, Complaints
+from browser_support import PAD_FILE, Complaints, choose
 from flight_footage import BLANK, FLIGHT_CAMERA, FRAMES
 from playwright.sync_api import Page, Route, expect
 
@@ -150,7 +150,7 @@ def test_the_figures_show_what_was_flown(open_page: Callable[..., Page], flight_
     heights = [height for height in drawn if height is not None]
     assert heights == sorted(heights, reverse=True)
     assert page.locator("[data-ref=space] canvas").count() > 0
-    page.get_by_role("radio", name="Dark").check(force=True)
+    choose(page, "Dark")
     font = "chart => chart.layout.font.color"
     ink = page.locator("#charts p").first.evaluate("() => getComputedStyle(document.body).color")
     assert page.locator("[data-ref=trajectory]").evaluate(font) != ink
@@ -262,7 +262,7 @@ def test_failed_frames_are_run_again_with_what_the_workbench_has(
     dialog = page.get_by_role("dialog")
     expect(dialog.get_by_role("radio", name="From the workbench")).to_be_checked()
     expect(dialog.locator("[data-ref=params-note]")).to_have_text("search.least_step = 0.4")
-    dialog.get_by_role("radio", name="Only failed ones").check(force=True)
+    choose(dialog, "Only failed ones")
     dialog.get_by_role("button", name="Run", exact=True).click()
     expect(page).to_have_url(re.compile(r"with="))
     expect(page.locator("#head [data-ref=state]")).to_have_text("Done", timeout=SLOW_MS)
@@ -352,7 +352,7 @@ def test_what_is_typed_for_a_new_flight_outlives_a_reload(open_page: Callable[..
     page.get_by_label("Name", exact=True).fill("evening")
     page.get_by_label("First frame").fill("3")
     page.get_by_label("Every n-th").fill("2")
-    page.get_by_role("radio", name="Smoothed").check(force=True)
+    choose(page, "Smoothed")
     expect(page).to_have_url(re.compile("fusion=smooth.*name=evening"))
     page.reload()
     expect(page.get_by_label("Name", exact=True)).to_have_value("evening")

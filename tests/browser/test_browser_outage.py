@@ -25,7 +25,9 @@ def _tries_again(page: Page) -> None:
     expect(status).not_to_contain_text("going down")
 
 
-@pytest.mark.parametrize("path", ["/", "/design", "/plan", "/diagnose", "/flights", "/cameras"])
+@pytest.mark.parametrize(
+    "path", ["/", "/design", "/plan", "/diagnose", "/flights", "/cameras", "/live"]
+)
 def test_what_could_not_be_loaded_is_tried_again(
     open_page: Callable[..., Page], complaints: Complaints, path: str
 ) -> None:

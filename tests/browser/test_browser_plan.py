@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Callable
 
 import pytest
-from browser_support import CAMERA_FILE, PAD_FILE, Complaints
+from browser_support import CAMERA_FILE, PAD_FILE, Complaints, choose
 from playwright.sync_api import Page, Route, expect
 
 from padstudio.pad.coverage.pinhole import View
@@ -67,7 +67,7 @@ def test_the_chart_shows_layers_methods_and_the_dead_band(plan: Page) -> None:
     shown = re.compile(rf"Red layer\s*{low:.1f} mm")
     expect(plan.locator("#chart-facts")).to_contain_text(shown)
     expect(plan.locator("#chart-facts")).to_contain_text("Whole sign")
-    plan.get_by_role("radio", name="Paper").check(force=True)
+    choose(plan, "Paper")
     _expect_drawn(plan, "dead band")
     expect(plan.locator("#dead-band")).to_contain_text("no layer reads")
     expect(plan.locator("#chart-note")).to_contain_text("fades")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page
 
-PAGES = ("/design", "/plan", "/diagnose", "/flights", "/cameras", "flight")
+PAGES = ("/design", "/plan", "/diagnose", "/flights", "/cameras", "/live", "flight")
 MOST_REQUESTS = 8
 
 # Bytes over the network of each file, the page's own included; none from the browser's cache.

@@ -24,7 +24,7 @@ def _large(folder: Path, video: Path) -> Path:
 
 
 def _uploads(studio_url: str) -> list[dict[str, object]]:
-    answer = httpx.get(f"{studio_url}/api/v1/uploads?limit=1000", trust_env=False)
+    answer = httpx.get(f"{studio_url}/api/v1/uploads?limit=1000", trust_env=False, timeout=60)
     return list(answer.raise_for_status().json()["items"])
 
 
@@ -189,7 +189,9 @@ def test_a_recordings_topic_is_chosen(
     scene = recordings.Scene(recordings.shots(2), "compressed", topics=topics)
     path = recordings.write_mcap(tmp_path / "two.mcap", scene)
     pad = {"file": ("pad.json", (FOOTAGE / "pad_a.json").read_bytes())}
-    httpx.post(f"{studio_url}/api/v1/pads/import", files=pad, trust_env=False).raise_for_status()
+    httpx.post(
+        f"{studio_url}/api/v1/pads/import", files=pad, trust_env=False, timeout=60
+    ).raise_for_status()
     page = open_page("/flights")
     expect(page.locator("#topic-field")).to_be_hidden()
     page.get_by_label("Choose files").set_input_files(path)

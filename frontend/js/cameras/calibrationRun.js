@@ -14,7 +14,7 @@
 
 import * as calibrationApi from "../server/calibrationApi.js";
 import { ApiError, isAbort, messageOf } from "../server/request.js";
-import { removeUpload, sendFile } from "../server/tusUpload.js";
+import { removeUpload, sendFile } from "../server/uploads/tusUpload.js";
 import { isAtWork } from "./calibrationLogic.js";
 
 const EVERY_MS = 500;

@@ -117,6 +117,7 @@ function printState(state) {
     ],
     rulers: rulerTexts(state.scale),
     isSaved: Boolean(state.savedId),
+    live: state.savedId ? `/live?pad=${encodeURIComponent(state.savedId)}` : "/live",
     strip: state.strip && stripInWords(state.strip),
   };
 }

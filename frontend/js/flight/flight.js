@@ -51,7 +51,6 @@ import { groupOf, loopFromText, loopToText, loopWith } from "./player/proxyLogic
 import { filterFromText, filterToText } from "./frameTableLogic.js";
 import { nearestFrame, partFromText, partToText, partWith, wholeOf } from "./timelineLogic.js";
 import { saveBundle } from "../shared/workbench/bundling.js";
-import { watchFlight } from "../server/flightWatch.js";
 import { copyText } from "../shared/components/copy.js";
 import { mountFooter } from "../shared/components/footer.js";
 import { loadFault } from "../shared/components/status.js";
@@ -327,7 +326,7 @@ function takeFlight(flight) {
 
 function follow() {
   watch?.stop();
-  watch = state.flight && flightsApi.isOpen(state.flight) ? watchFlight(id, takeFlight) : null;
+  watch = state.flight && flightsApi.isOpen(state.flight) ? flightsApi.watchFlight(id, takeFlight) : null;
 }
 
 async function refresh() {

@@ -19,7 +19,7 @@ export function sourceInWords({ source, frame, time_s: time }) {
  * @param {FrameRecord} record
  */
 export function hasPicture({ stage, reason }) {
-  return stage !== "read" || reason === "internal_error";
+  return stage !== "read" || reason === "internal_error" || reason === "dropped_live";
 }
 
 /**

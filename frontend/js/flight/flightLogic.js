@@ -33,10 +33,17 @@ export function settingsFacts({ id, request, sources = [], created_at: created, 
   const params = paramsInWords(request.params ?? {});
   if (params) facts.push(["Parameters", params]);
   if (request.version) facts.push(["Version", request.version]);
+  if (request.live) facts.push(["Recorded live", liveInWords(request.live)]);
   facts.push(["Flight's id", id, id], ["Pad's id", request.pad_id, request.pad_id]);
   facts.push(["Created", moment(created)]);
   if (started && finished) facts.push(["Took", duration(Date.parse(finished) - Date.parse(started))]);
   return facts;
+}
+
+/** @param {import("../server/flightsApi.js").LiveSession} session @returns {string} */
+function liveInWords({ source, unix_s: began, is_whole: whole }) {
+  const when = moment(new Date(1000 * began).toISOString());
+  return `${when}${source ? `, from ${source}` : ""}${whole ? "" : ", broken off"}`;
 }
 
 /** @param {import("../server/flightsApi.js").FlightRequest} request @returns {string} */

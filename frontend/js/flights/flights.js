@@ -33,7 +33,7 @@ import { makeIntake } from "../shared/intake.js";
 import { fusionValues, missingOrder, rangeFault, rangeValues } from "../shared/orderLogic.js";
 import { readingChoiceFrom } from "../shared/readingChoice.js";
 import { makeUploadQueue } from "./uploadQueue.js";
-import { fewPictures, hasTopics, mayBringCamera, readyIds, totals } from "./uploadsLogic.js";
+import { fewPictures, hasTopics, isLive, mayBringCamera, readyIds, totals } from "./uploadsLogic.js";
 import { mountFooter } from "../shared/components/footer.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -124,13 +124,16 @@ function render() {
   for (const input of byId("method").querySelectorAll("input")) input.checked = input.value === method;
   uploadList.update({ items });
   byId("few-pictures").hidden = !fewPictures(items);
+  const live = isLive(items);
+  byId("live-recording").hidden = !live;
   flightList.update({ flights: state.flights, total: state.total, now: Date.now() });
-  byId("topic-field").hidden = !hasTopics(items);
+  byId("topic-field").hidden = live || !hasTopics(items);
   const comes = takesRecordedCamera() ? "recorded" : "";
-  const needed = missingOrder({ pad: state.pad, camera: state.camera || comes, files: totals(items).total });
+  const needed = live ? "" : missingOrder({ pad: state.pad, camera: state.camera || comes, files: totals(items).total });
   const hint = ordered ? "Starts as soon as every file is sent." : needed;
   if (byId("missing").textContent !== hint) byId("missing").textContent = hint;
-  byId("start").textContent = ordered ? "Do not start" : readyIds(items) ? "Analyse" : "Analyse when sent";
+  const act = live ? "Open" : "Analyse";
+  byId("start").textContent = ordered ? "Do not start" : readyIds(items) ? act : `${act} when sent`;
   // A second order while the first is under way would be a second flight.
   byId("start").disabled = Boolean(needed) || state.starting;
   status.update(state.status);
@@ -184,7 +187,9 @@ async function start() {
     uploads, pad, ...read, ...(camera ? { camera } : {}), ...(name ? { name } : {}), ...(topic ? { topic } : {}),
   };
   try {
-    const flight = await flightsApi.createFlight(order);
+    const flight = isLive(state.items)
+      ? await flightsApi.openRecording({ uploads, ...(name ? { name } : {}) })
+      : await flightsApi.createFlight(order);
     queue.clear();
     location.assign(`/flights/${flight.id}`);
   } catch (error) {

@@ -6,7 +6,7 @@
 
 import { ApiError, messageOf } from "../server/request.js";
 import { getUpload } from "../server/flightsApi.js";
-import { removeUpload, sendFile } from "../server/tusUpload.js";
+import { removeUpload, sendFile } from "../server/uploads/tusUpload.js";
 import { claimMemory } from "./uploadMemory.js";
 import * as uploads from "./uploadsLogic.js";
 
@@ -51,7 +51,9 @@ export function makeUploadQueue({ onChange }) {
           change(key, { ...progress, ...message });
         },
       });
-      change(key, { status: "done", id, offset: size });
+      // What a zip holds, the server alone can tell.
+      const kind = /\.zip$/i.test(file.name) ? (await getUpload(id)).kind : null;
+      change(key, { status: "done", id, offset: size, kind });
     } catch (error) {
       if (!control.signal.aborted) change(key, { status: "refused", message: reasonOf(error) });
     }
@@ -71,7 +73,7 @@ export function makeUploadQueue({ onChange }) {
     for (const { key, url } of items.filter((item) => !item.file)) {
       try {
         const upload = await getUpload(url?.split("/").pop() ?? "");
-        const done = upload.complete ? { id: upload.id, status: /** @type {const} */ ("done") } : {};
+        const done = upload.complete ? { id: upload.id, kind: upload.kind, status: /** @type {const} */ ("done") } : {};
         change(key, { offset: upload.offset, ...done });
       } catch (error) {
         if (error instanceof ApiError && error.status === 404) {

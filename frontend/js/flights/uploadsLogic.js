@@ -12,6 +12,7 @@
  * @property {number} offset  bytes that the server has
  * @property {"waiting" | "sending" | "done" | "refused"} status
  * @property {string} message  why it is refused, or why nothing moves
+ * @property {string | null} [kind]  of a zip, once it is complete
  *
  * @typedef {object} Row  one line of the list: a file, or all stills of a folder
  * @property {string} key
@@ -25,7 +26,7 @@
 
 import { bytes, number } from "../shared/formatLogic.js";
 import { isPicture, mayBeRecording } from "../shared/queueLogic.js";
-import { fingerprint } from "../server/tusLogic.js";
+import { fingerprint } from "../server/uploads/tusLogic.js";
 
 /** A folder of more stills than this is one line. */
 const MANY = 6;
@@ -72,6 +73,13 @@ export const hasTopics = (items) => items.some(({ name }) => mayBeRecording(name
  * @param {Pick<Item, "name">[]} items
  */
 export const mayBringCamera = (items) => items.length > 0 && items.every(({ name }) => mayBeRecording(name));
+
+/**
+ * True where the files are a live session's recording, which brings its pad, its camera and its poses.
+ * @param {Pick<Item, "name" | "kind" | "status">[]} items
+ */
+export const isLive = (items) =>
+  items.some(({ name, kind, status }) => status !== "refused" && (kind === "live" || /^session\.json$/i.test(name)));
 
 /** Of more pictures than this a flight is meant. */
 const FEW = 3;
@@ -187,7 +195,7 @@ export const toStorage = (items) =>
   JSON.stringify(
     items
       .filter((item) => item.url && item.status !== "refused")
-      .map(({ key, folder, name, size, url, id, offset }) => ({ key, folder, name, size, url, id, offset })),
+      .map(({ key, folder, name, size, url, id, offset, kind = null }) => ({ key, folder, name, size, url, id, offset, kind })),
   );
 
 /**

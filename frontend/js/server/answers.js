@@ -150,6 +150,7 @@
  * @property {string} [advice]
  * @property {{reason: string, detail: string, advice: string}[]} [findings]  of a second look
  * @property {Record<string, number>} elapsed_ms
+ * @property {{unix_s?: number, number?: number, latency_ms?: number}} [live]  of a frame that a live session recorded
  *
  * @typedef {{id: string, name: string, pad_id: string}} KnownPad  pad_id: as of poses
  *

@@ -17,6 +17,9 @@
  * @property {number} stride
  * @property {string} [version]  of the program that made the run
  * @property {{flight: string, reason: string | null} | null} [only]  read for that run's failed frames alone
+ * @property {LiveSession} [live]  its poses are those of a live session
+ *
+ * @typedef {{program: string, source: string, unix_s: number, is_whole: boolean}} LiveSession
  *
  * @typedef {object} Flight
  * @property {string} id
@@ -43,6 +46,7 @@
  * @property {number} size_bytes
  * @property {number} offset
  * @property {boolean} complete
+ * @property {string | null} kind  known once it is complete
  *
  * @typedef {PoseRecord & {source: string, frame: number, time_s: number | null}} FrameRecord
  *
@@ -64,6 +68,7 @@
  *   & Partial<Record<"from_s" | "to_s" | "min_height" | "max_height", number | null>>} FrameFilter
  */
 
+import { watchEvents } from "./eventWatch.js";
 import { formOf, path, query, request, ROOT, send } from "./request.js";
 
 /** @param {string} id @returns {Promise<Upload>} */
@@ -74,6 +79,9 @@ export const listFlights = (limit) => request("GET", `/flights${query({ limit })
 
 /** @param {Record<string, unknown>} order @returns {Promise<Flight>} */
 export const createFlight = (order) => request("POST", "/flights", { json: order });
+
+/** @param {{uploads: string[], name?: string}} order  the files of a live recording @returns {Promise<Flight>} */
+export const openRecording = (order) => request("POST", "/flights/from-recording", { json: order });
 
 /** @param {string} id @returns {Promise<Flight>} */
 export const getFlight = (id) => request("GET", path`/flights/${id}`);
@@ -218,5 +226,15 @@ export async function checkExport(url) {
 /** @param {Flight} flight @returns {boolean} true while it may still change */
 export const isOpen = ({ state }) => state === "queued" || state === "running";
 
-/** @param {string} id */
-export const eventsUrl = (id) => ROOT + path`/flights/${id}/events`;
+/**
+ * Follow a flight while it runs.
+ * @param {string} id
+ * @param {(flight: Flight) => void} onFlight
+ * @returns {{stop: () => void}}
+ */
+export const watchFlight = (id, onFlight) =>
+  watchEvents(ROOT + path`/flights/${id}/events`, "flight", {
+    ask: () => getFlight(id),
+    take: onFlight,
+    isOver: (flight) => !isOpen(flight),
+  });

@@ -195,6 +195,8 @@ export function evidenceFacts(record) {
     facts.push(["Chance of a false match", `below ${powerOfTen(Math.ceil(record.log10_false_alarm))}`]);
   }
   facts.push(["Time", duration(record.elapsed_ms?.total ?? 0)]);
+  const latency = record.live?.latency_ms;
+  if (typeof latency === "number") facts.push(["Known live", `${duration(latency)} after the frame came`]);
   if (record.pad_id) facts.push(["Pad's printed id", record.pad_id, record.pad_id]);
   return facts;
 }

@@ -139,10 +139,11 @@ export function tally(frames) {
 }
 
 /**
- * What a dropped file is: a picture, a camera, a pad, a bundle, or what simulated pictures show.
+ * What a dropped file is: a picture, a camera, a pad, a bundle, a part of a live recording, or what simulated
+ * pictures show.
  * @param {string} name
  * @param {string} head  the text's beginning
- * @returns {"image" | "camera" | "pad" | "bundle" | "truth"}
+ * @returns {"image" | "camera" | "pad" | "bundle" | "live" | "truth"}
  */
 export function kindOfFile(name, head) {
   if (/\.zip$/i.test(name)) return "bundle";
@@ -150,6 +151,7 @@ export function kindOfFile(name, head) {
   if (/^metadata\.yaml$/i.test(name)) return "truth";
   if (/\.(ya?ml|xml|txt|cameramodel)$/i.test(name)) return "camera";
   if (/\.json$/i.test(name) && /^\s*\[/.test(head)) return "truth";
+  if (/\.jsonl$/i.test(name) || /^\s*\{\s*"format":\s*"padstudio\.live"/.test(head)) return "live";
   if (/\.json$/i.test(name)) return head.includes("padstudio.pad") ? "pad" : "camera";
   return "image";
 }

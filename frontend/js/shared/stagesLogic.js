@@ -55,6 +55,7 @@ const REASONS = {
   wrong_camera: "wrong camera file",
   print_scale: "print out of proportion",
   warped: "paper not flat",
+  dropped_live: "passed over in the live session",
 };
 
 /** @param {string} name @returns {string} */

@@ -116,6 +116,7 @@ export const tests = {
     equal([other.status, other.answer.result.stage, other.answer.result.source, other.answer.result.frame], ["failed", "grid", "a.mp4", 12]);
     const lost = { ...record, frame: 14, status: "failed", stage: "read", reason: "frame_lost" };
     equal([hasPicture(record), hasPicture(lost), hasPicture({ ...lost, reason: "internal_error" })], [true, false, true]);
+    equal(hasPicture({ ...lost, reason: "dropped_live" }), true);
     equal(shownOf(5, null, flight()).status, "waiting");
     equal(shownOf(5, null, flight({ state: "done" })).status, "refused");
     const nothing = shownOf(5, null, flight());

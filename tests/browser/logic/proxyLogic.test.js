@@ -1,4 +1,5 @@
 import { equal } from "./check.js";
+import { makePlayer } from "/static/js/flight/player/player.js";
 import {
   firstOf, frameAfter, framesAround, groupFromBytes, groupOf, groupsFor, loopFromText, loopToText, loopWith,
 } from "/static/js/flight/player/proxyLogic.js";
@@ -82,5 +83,27 @@ export const tests = {
     equal(loopWith({ from: 0, to: 30 }, "to", 99, WHOLE), null);
     equal(loopFromText(loopToText({ from: 3, to: 9 })), { from: 3, to: 9 });
     equal([loopFromText("9-3"), loopFromText(null), loopFromText("a-b")], [null, null, null]);
+  },
+  "play ends at the last frame, though its picture never comes": async () => {
+    let frame = 0;
+    /** @type {number[]} */
+    const shown = [];
+    await new Promise((resolve) => {
+      const player = makePlayer({
+        whole: () => ({ first: 0, last: 3, stride: 1 }),
+        frame: () => frame,
+        loop: () => null,
+        timeOf: (at) => (at <= 3 ? at / 30 : null),
+        isReady: (at) => at < 3,
+        onFrame: (at) => shown.push((frame = at)),
+        onWant: () => undefined,
+        onEnd: () => {
+          player.update(false);
+          resolve(undefined);
+        },
+      });
+      player.update(true);
+    });
+    equal(shown.at(-1), 3);
   },
 };

@@ -62,8 +62,9 @@ export const tests = {
     equal(tally([]), "");
   },
   "a file is known by its name and beginning": () => {
-    const kinds = [["x.YAML", ""], ["x.json", '{"format": "padstudio.pad"'], ["x.json", "{}"], ["x.jpg", ""], ["x.ZIP", ""], ["x.cameramodel", ""], ["truth.json", '[\n {"file": "a.jpg"'], ["metadata.yaml", ""]];
-    equal(kinds.map(([name, head]) => kindOfFile(name, head)), ["camera", "pad", "camera", "image", "bundle", "camera", "truth", "truth"]);
+    const kinds = [["x.YAML", ""], ["x.json", '{"format": "padstudio.pad"'], ["x.json", "{}"], ["x.jpg", ""], ["x.ZIP", ""], ["x.cameramodel", ""], ["truth.json", '[\n {"file": "a.jpg"'], ["metadata.yaml", ""],
+      ["session.json", '{\n "format": "padstudio.live",'], ["0001.jsonl", ""]];
+    equal(kinds.map(([name, head]) => kindOfFile(name, head)), ["camera", "pad", "camera", "image", "bundle", "camera", "truth", "truth", "live", "live"]);
   },
   "pictures that show range and bearing alone are counted apart": () => {
     const far = frameOfAnswer({ ...answer("ok"), result: { ...answer("ok").result, quality: "bearing", range_mm: 16_200 } });

@@ -1,6 +1,6 @@
-import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/server/tusLogic.js";
+import { fingerprint, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "/static/js/server/uploads/tusLogic.js";
 import {
-  fewPictures, fromLists, fromStorage, hasTopics, mayBringCamera, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
+  fewPictures, fromLists, fromStorage, hasTopics, isLive, mayBringCamera, nextToSend, readyIds, rowsOf, toStorage, totals, withFiles, withItem,
 } from "/static/js/flights/uploadsLogic.js";
 import { contains, equal } from "./check.js";
 
@@ -18,6 +18,12 @@ export const tests = {
     const ask = (...names) => [hasTopics, mayBringCamera].map((is) => is(names.map((name) => ({ name }))));
     equal([ask("a.bag"), ask("a.MCAP", "b.zip")], [[true, true], [true, true]]);
     equal([ask(), ask("a.mp4"), ask("a.mp4", "b.db3")], [[false, false], [false, false], [true, false]]);
+  },
+  "a live recording is known by its session's file, or by what the server says of a zip": () => {
+    const item = (name, kind = null, status = "done") => ({ name, kind, status });
+    const live = [[item("0001.mp4"), item("session.json")], [item("a.zip", "live")]];
+    const others = [[item("0001.mp4"), item("a.json")], [item("a.zip", "stills")], [item("session.json", null, "refused")], []];
+    equal([...live, ...others].map(isLive), [true, true, false, false, false, false]);
   },
   "metadata is base64 of UTF-8": () => {
     equal(metadata({ filename: "flug ü.mp4" }), `filename ${btoa("flug \u00c3\u00bc.mp4")}`);

@@ -12,6 +12,7 @@
  * @property {Facts} facts
  * @property {[string, string]} rulers  what the printed rulers read
  * @property {boolean} isSaved
+ * @property {string} live  address at which the print is held before a camera
  * @property {{facts: Facts, warnings: string[], note: string, kept: boolean} | null} strip  what a
  *   photo of the test strip says
  */
@@ -51,7 +52,7 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto, onStr
 
   return {
     /** @param {PrintPanelState} state */
-    update({ texts, errors, fault, facts: shown, rulers: read, isSaved, strip }) {
+    update({ texts, errors, fault, facts: shown, rulers: read, isSaved, live, strip }) {
       form.update({ texts, errors });
       find("custom").hidden = texts.paper !== "custom";
       find("overlap").hidden = texts.joint !== "overlap";
@@ -64,6 +65,7 @@ export function mountPrintPanel(root, { onInput, onMeasured, onStripPhoto, onStr
         const texts = draft.read() ?? read;
         rulers.forEach((input, place) => { input.value = texts[place]; });
       }
+      find("live").setAttribute("href", live);
       find("measured-note").textContent = isSaved ? "" : "Entering a size saves the pad first.";
       stripFacts.update(strip?.facts ?? []);
       find("strip-warning").textContent = strip?.warnings.join(" ") ?? "";

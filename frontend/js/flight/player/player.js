@@ -39,7 +39,8 @@ export function makePlayer({ whole, frame, loop, timeOf, isReady, onFrame, onWan
       onWant(last);
       waitedMs ||= nowMs;
       if (nowMs - waitedMs <= PATIENCE_MS) return;
-    } else if (current < last) {
+    }
+    if (current < last) {
       shown = last;
       onFrame(last);
     }

@@ -7,7 +7,7 @@
  * @property {string} [trouble]  why nothing moves; empty where it does again
  */
 
-import { ROOT, send } from "./request.js";
+import { ROOT, send } from "../request.js";
 import { FIRST_CHUNK, meaningOf, metadata, nextChunkBytes, retryDelayMs } from "./tusLogic.js";
 
 const UPLOADS = `${ROOT}/uploads`;
@@ -105,7 +105,7 @@ async function sendRest(url, file, from, { signal, onProgress }) {
  * @param {File} file
  * @param {{url: string | null, signal: AbortSignal, onProgress: (progress: Progress) => void}} options
  * @returns {Promise<string>} id of the upload
- * @throws {import("./request.js").ApiError} where the server refuses it for good
+ * @throws {import("../request.js").ApiError} where the server refuses it for good
  */
 export async function sendFile(file, { url, signal, onProgress }) {
   let place = url;
@@ -126,7 +126,7 @@ export async function sendFile(file, { url, signal, onProgress }) {
       });
       return place.split("/").pop() ?? "";
     } catch (error) {
-      const { status, message } = /** @type {import("./request.js").ApiError} */ (error);
+      const { status, message } = /** @type {import("../request.js").ApiError} */ (error);
       const meaning = signal.aborted || status === undefined ? "final" : meaningOf(status);
       if (meaning === "final" || (meaning === "anew" && !place)) throw error;
       if (meaning === "anew") place = null;
