@@ -1,25 +1,34 @@
-# The studio in a container. The steps are those of `make install`, in two stages: the first builds the
-# environment, the second holds it and nothing else.
-FROM python:3.13-slim AS build
+# The studio in a container, in two stages: the first builds a wheel and the environment that it runs in,
+# the second holds that and nothing else: no compilers, and none of what developers need.
+# By digest, so that a build is of the same files whenever it is made. The digest of a newer image is told by
+# `docker buildx imagetools inspect python:3.13-slim-trixie`.
+ARG PYTHON=python:3.13.15-slim-trixie@sha256:8d9d0b8bcf6506481eae4907c18f5e3e7902e629f5f6d684f9e7c32e85e3ddf0
+FROM ${PYTHON} AS build
 
-RUN apt-get update \
-    && apt-get install -y --no-install-recommends make \
-    && rm -rf /var/lib/apt/lists/*
-WORKDIR /opt/padstudio
-COPY Makefile pyproject.toml requirements.lock README.md LICENSE ./
+WORKDIR /build
+COPY requirements.lock requirements-run.lock ./
+# Builders in an environment of their own, as pinned as the rest.
+RUN python -m venv builder \
+    && builder/bin/pip install --quiet --no-cache-dir uv==0.13.9 \
+    && builder/bin/uv pip install --quiet --python builder/bin/python --require-hashes -r requirements.lock \
+    && python -m venv --without-pip /opt/padstudio \
+    && builder/bin/uv pip install --quiet --python /opt/padstudio/bin/python --require-hashes -r requirements-run.lock
+COPY pyproject.toml README.md LICENSE CHANGELOG.md ./
 COPY backend backend
 COPY frontend frontend
 COPY samples samples
 COPY templates templates
-RUN make install && .venv/bin/python -m compileall -q backend
+RUN builder/bin/uv build --quiet --python builder/bin/python --wheel --no-build-isolation --out-dir dist \
+    && builder/bin/uv pip install --quiet --python /opt/padstudio/bin/python --no-deps dist/*.whl \
+    && /opt/padstudio/bin/python -m compileall -q /opt/padstudio/lib
 
-FROM python:3.13-slim
+FROM ${PYTHON}
 
 RUN useradd --create-home --uid 10001 padstudio \
     && install --directory --owner padstudio --group padstudio /data /var/cache/padstudio
 COPY --from=build /opt/padstudio /opt/padstudio
 
-ENV PATH=/opt/padstudio/.venv/bin:$PATH \
+ENV PATH=/opt/padstudio/bin:$PATH \
     PADSTUDIO_DATA=/data \
     PADSTUDIO_HOST=0.0.0.0 \
     PADSTUDIO_PORT=8000 \

@@ -16,14 +16,18 @@ INSTALL_VENV = command -v apt-get >/dev/null && $(SUDO) apt-get update -qq \
 	&& $(SUDO) apt-get install -y -qq $(notdir $(BASE_PYTHON))-venv && $(BASE_PYTHON) -m venv $(VENV)
 
 .DEFAULT_GOAL := help
-.PHONY: help install run test check bench clean
+.PHONY: help install run test check shootout bench reproduction soak fuzz clean
 
 help:
 	@echo 'make install   set up $(VENV) with the locked dependencies'
 	@echo 'make run       serve the studio on http://127.0.0.1:8000   (ARGS="--port 9000")'
 	@echo 'make test      check, then all tests, those in a browser included   (ARGS="-k camera")'
 	@echo 'make check     lint, formatting and types'
-	@echo 'make bench     benchmarks   (ARGS="shootout --full")'
+	@echo 'make shootout  the readers of other boards that padstudio shootout compares with'
+	@echo 'make bench     benchmarks   (ARGS="covariance --only far")'
+	@echo 'make reproduction  docs/reproduction.md, made anew   (ARGS="--seeds 20")'
+	@echo 'make soak      a server under kills, full disks and restarts   (ARGS="--minutes 20")'
+	@echo 'make fuzz      readers of files from outside   (ARGS="--minutes 60 camera")'
 	@echo 'make clean     remove $(VENV) and caches'
 
 install: $(STAMPS)/package
@@ -36,7 +40,7 @@ $(PYTHON):
 # uv installs the locked set in seconds where pip takes a minute.
 $(STAMPS)/uv: | $(PYTHON)
 	@mkdir -p $(STAMPS)
-	$(PYTHON) -m pip install --quiet --disable-pip-version-check uv
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check uv==0.13.9
 	@touch $@
 
 $(STAMPS)/lock: requirements.lock $(STAMPS)/uv
@@ -62,17 +66,35 @@ $(STAMPS)/tools: tests/install-tools.sh
 	sh tests/install-tools.sh
 	@touch $@
 
-test: check $(STAMPS)/tools
-	$(PYTHON) -m pytest -n auto --dist loadfile $(ARGS)
+# The tests start hundreds of processes: without bytecode each of them compiles all it imports.
+test: export PYTHONDONTWRITEBYTECODE :=
+test: check $(STAMPS)/tools $(STAMPS)/shootout
+	$(PYTHON) tests/support/compile_loops.py
+	$(PYTHON) -m pytest -n auto --dist loadfile --no-loadscope-reorder $(ARGS)
 
-# Another maker's board reader, which only the shoot-out uses: where it cannot be installed, the
-# shoot-out says so and goes on.
-$(STAMPS)/bench: requirements-bench.lock $(STAMPS)/lock
+# Other makers' readers of boards, which only the shoot-out uses: where they cannot be installed,
+# the shoot-out says so and goes on.
+$(STAMPS)/shootout: requirements-shootout.lock $(STAMPS)/lock
 	-$(VENV)/bin/uv pip install --quiet --python $(PYTHON) --no-deps --require-hashes -r $<
 	@touch $@
 
-bench: install $(STAMPS)/bench
+shootout: install $(STAMPS)/shootout
+
+bench: install
 	$(PYTHON) tests/benchmarks/run.py $(ARGS)
+
+# The page of the documentation that is made by the program: whenever a method has changed.
+reproduction: install
+	mkdir -p build
+	$(VENV)/bin/padstudio reproduce -o build/reproduction --page docs/reproduction.md --force $(ARGS)
+
+# Kills, full disks, restarts of the database and clocks that are set, while flights are worked on;
+# what this machine has no means for is said and left out.
+soak: install $(STAMPS)/tools
+	$(PYTHON) tests/soak/run.py $(ARGS)
+
+fuzz: install
+	$(PYTHON) tests/fuzz/run.py $(ARGS)
 
 clean:
 	find backend -name __pycache__ -type d -exec rm -rf {} +

@@ -33,6 +33,8 @@ def grown_and_one(x):
 def run(code: str, path: Path, **environment: str) -> str:
     # Without NUMBA_CACHE_DIR, machine code lies beside the copy of the package.
     kept = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+    # Bytecode would not notice sources that change twice within a second.
+    kept["PYTHONDONTWRITEBYTECODE"] = "1"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={**kept, "PYTHONPATH": str(path), **environment},

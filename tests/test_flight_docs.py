@@ -103,5 +103,7 @@ def test_uploads_as_their_document_shows(folder, address):
     by_python = run_python(block("docs/uploads.md", "python", "TusClient"), folder, address).strip()
     by_curl = json.loads(run_shell(block("docs/uploads.md", "sh", "curl"), folder, address))
     assert (by_curl["complete"], by_curl["name"]) == (True, "flight.mp4")
-    found = httpx.get(f"{address}/api/v1/uploads", params={"sha256": by_curl["sha256"]}).json()
+    found = httpx.get(
+        f"{address}/api/v1/uploads", params={"sha256": by_curl["sha256"]}, timeout=60
+    ).json()
     assert {by_python, by_curl["id"]} <= {upload["id"] for upload in found["items"]}

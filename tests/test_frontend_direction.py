@@ -12,7 +12,17 @@ from places import ROOT
 
 SCRIPTS = ROOT / "frontend" / "js"
 MODULES = sorted(SCRIPTS.rglob("*.js"))
-PAGES = ("design", "home", "diagnose", "flight", "flights", "plan", "cameras")
+PAGES = (
+    "design",
+    "home",
+    "diagnose",
+    "flight",
+    "flights",
+    "plan",
+    "cameras",
+    "live",
+    "experiments",
+)
 
 #: What a module of each folder may import, besides its own folder's modules.
 MAY_IMPORT = {

@@ -25,8 +25,12 @@ FILES = tracked_files()
 PYTHON = [path for path in FILES if path.suffix == ".py"]
 
 
-def test_every_locked_package_has_hashes():
-    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+LOCKS = ("requirements.lock", "requirements-run.lock")
+
+
+@pytest.mark.parametrize("name", LOCKS)
+def test_every_locked_package_has_hashes(name):
+    text = (ROOT / name).read_text(encoding="utf-8")
     blocks = re.split(r"\n(?=\S)", text.strip())
     assert len(blocks) > 30
     for block in blocks:
@@ -34,8 +38,9 @@ def test_every_locked_package_has_hashes():
         assert "--hash=sha256:" in block, block.splitlines()[0]
 
 
-def test_the_lock_names_no_address():
-    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", [*LOCKS, "requirements-shootout.lock"])
+def test_the_lock_names_no_address(name):
+    text = (ROOT / name).read_text(encoding="utf-8")
     assert "://" not in text
     assert "index" not in text
 
@@ -49,6 +54,46 @@ def test_the_lock_holds_every_dependency():
     locked = set(re.findall(r"^([a-z0-9-]+)==", lock, re.MULTILINE))
     names = {re.match(r"[\w-]+", line)[0].lower().replace("_", "-") for line in asked}
     assert names - locked == set()
+
+
+def test_the_readers_of_other_boards_are_locked():
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lock = (ROOT / "requirements-shootout.lock").read_text(encoding="utf-8")
+    asked = {line.partition(">")[0] for line in project["optional-dependencies"]["shootout"]}
+    assert set(re.findall(r"^([a-z0-9-]+)==", lock, re.MULTILINE)) == asked
+    assert lock.count("--hash=sha256:") >= len(asked)
+
+
+def test_the_container_has_the_same_versions_and_nothing_of_developers():
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    whole, run = (
+        dict(
+            re.findall(r"^([a-z0-9-]+)==([\w.+!]+)", (ROOT / name).read_text("utf-8"), re.MULTILINE)
+        )
+        for name in LOCKS
+    )
+    assert run.items() <= whole.items()
+    extras = project["optional-dependencies"]
+    used = project["dependencies"] + extras["s3"] + extras["postgresql"]
+    needed, developers = (
+        {re.match(r"[\w-]+", line)[0].lower().replace("_", "-") for line in lines}
+        for lines in (used, extras["dev"])
+    )
+    assert needed <= run.keys()
+    assert not (developers - needed) & run.keys()
+
+
+def test_the_container_is_built_on_one_image_that_its_digest_names():
+    text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    assert re.search(
+        r"^ARG PYTHON=python:3\.\d+\.\d+-slim-\w+@sha256:[0-9a-f]{64}$", text, re.MULTILINE
+    )
+    bases = re.findall(r"^FROM (\S+)", text, re.MULTILINE)
+    assert bases == ["${PYTHON}"] * 2
 
 
 def test_no_file_names_a_place_on_one_machine():

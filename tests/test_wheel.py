@@ -110,20 +110,23 @@ def address(installed, tmp_path_factory):
 
 @pytest.mark.parametrize("page", ["/", "/diagnose"])
 def test_it_serves_pages_with_all_that_they_name(address, page):
-    answer = httpx.get(address + page, follow_redirects=True)
+    answer = httpx.get(address + page, follow_redirects=True, timeout=60)
     assert answer.status_code == 200
     assert answer.headers["content-type"].startswith("text/html")
     names = set(re.findall(r'(?:src|href)="(/static/[^"?#]+)', answer.text))
     assert any(name.endswith(".js") for name in names)
     assert any(name.endswith(".css") for name in names)
     for name in names:
-        assert httpx.get(address + name).status_code == 200, name
+        assert httpx.get(address + name, timeout=60).status_code == 200, name
 
 
 def test_it_answers_rest_calls(address):
-    assert httpx.get(f"{address}/api/v1/health").json()["status"] == "ok"
-    presets = httpx.get(f"{address}/api/v1/cameras/presets").json()
+    assert httpx.get(f"{address}/api/v1/health", timeout=60).json()["status"] == "ok"
+    presets = httpx.get(f"{address}/api/v1/cameras/presets", timeout=60).json()
     assert len(presets["items"]) > 10
-    samples = httpx.get(f"{address}/api/v1/samples")
+    samples = httpx.get(f"{address}/api/v1/samples", timeout=60)
     assert "height_1300mm.jpg" in samples.text
-    assert httpx.get(f"{address}/api/v1/samples/pad.json").json()["format"] == "padstudio.pad"
+    assert (
+        httpx.get(f"{address}/api/v1/samples/pad.json", timeout=60).json()["format"]
+        == "padstudio.pad"
+    )

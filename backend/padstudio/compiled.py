@@ -25,6 +25,8 @@ _PACKAGE = Path(__file__).parent
 # Sums may be taken in any order and products fused; NaN and infinity keep their meaning.
 _FREE_ORDER = {"contract", "arcp", "reassoc", "nsz"}
 _FOLDER = "compiled-"
+# What wants to know that loops are being made ready.
+_watchers: list[Callable[[bool], None]] = []
 _IMPORTED = re.compile(rb"^from padstudio\.([\w.]+) import", re.MULTILINE)
 
 
@@ -86,6 +88,29 @@ def fast_inlined_jit(function: Callable[P, T]) -> Compiled[P, T]:
     return Compiled(function, error_model="numpy", **options)
 
 
+def watch_preparing(told: Callable[[bool], None]) -> None:
+    """Have a function told when loops begin (True) and cease (False) to be made ready.
+
+    It is when Numba is imported, and when a loop is loaded or compiled, that calls take longer for
+    once. Calls come in pairs, which may lie within each other, from any thread.
+    """
+    _watchers.append(told)
+
+
+def _tell(begins: bool) -> None:
+    for told in _watchers:
+        told(begins)
+
+
+@contextmanager
+def _preparing() -> Iterator[None]:
+    _tell(True)
+    try:
+        yield
+    finally:
+        _tell(False)
+
+
 @cache
 def cache_folder() -> Path | None:
     """Where machine code is kept; None where there is no such folder and none can be made.
@@ -130,11 +155,12 @@ def sources_hash() -> str:
 
 def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     """Numba's object for a function, which loads or compiles its code when it is called."""
-    dispatcher, folder = _numba().njit(**options)(function), cache_folder()
-    if folder is not None:
-        from padstudio.machine_code import MachineCode
+    with _preparing():
+        dispatcher, folder = _numba().njit(**options)(function), cache_folder()
+        if folder is not None:
+            from padstudio.machine_code import MachineCode
 
-        dispatcher._cache = MachineCode(function, folder)
+            dispatcher._cache = MachineCode(function, folder)
     return dispatcher
 
 
@@ -155,8 +181,18 @@ def _numba() -> Any:
     """Numba, which from then on takes `Compiled` loops that others call for its own."""
     with _no_collection():
         import numba
-        from numba.core import types
+        from numba.core import event, types
         from numba.extending import typeof_impl
+
+    class Told(event.Listener):
+        def on_start(self, _: object) -> None:
+            _tell(True)
+
+        def on_end(self, _: object) -> None:
+            _tell(False)
+
+    # Held while a loop is loaded or compiled, with all that it calls.
+    event.register("numba:compiler_lock", Told())
 
     @typeof_impl.register(Compiled)
     def type_of(loop: Compiled[..., Any], _context: object) -> Any:

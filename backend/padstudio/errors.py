@@ -10,6 +10,21 @@ from __future__ import annotations
 import errno
 from typing import Any, ClassVar
 
+#: Characters of what was given that a message repeats at the most.
+MOST_REPEATED = 80
+
+
+def shown(value: object) -> str:
+    """What was given, as a message repeats it: its beginning, in quotes where it is a text."""
+    if isinstance(value, str):
+        return f"{value[:MOST_REPEATED]!r}{'…' * (len(value) > MOST_REPEATED)}"
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):
+        # Python writes no whole number of more than 4300 digits.
+        return f"too large a {type(value).__name__}"
+    return text if len(text) <= MOST_REPEATED else text[:MOST_REPEATED] + "…"
+
 
 class StudioError(Exception):
     """Root of all errors that are the caller's or the environment's, not a defect.

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import httpx
@@ -20,11 +21,15 @@ _TUS = {"Tus-Resumable": "1.0.0"}
 
 
 @contextlib.contextmanager
-def serving(data: Path) -> Iterator[tuple[httpx.Client, psutil.Process]]:
+def serving(
+    data: Path, environment: Mapping[str, str] | None = None
+) -> Iterator[tuple[httpx.Client, psutil.Process]]:
     """A client and the process of a server that is ended with the context."""
     program = Path(sys.executable).with_name("padstudio")
     command = [program, "serve", "--port", "0", "--data", data]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})}
+    )
     try:
         assert process.stderr is not None
         address = process.stderr.readline().split()[2]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
 from places import FOOTAGE, ROOT
-from playwright.sync_api import Page, Response, expect
+from playwright.sync_api import Locator, Page, Response, expect
 
 FRONTEND = ROOT / "frontend"
 PAD_FILE = FOOTAGE / "pad_a.json"
@@ -24,6 +25,23 @@ def set_up_reading(page: Page) -> None:
     expect(page.locator("#status")).to_contain_text("Imported the pad")
     page.get_by_label("Upload a camera file").set_input_files(CAMERA_FILE)
     expect(page.locator("#status")).to_contain_text("Added the camera")
+
+
+THEMES = ("light", "dark")
+
+
+def choose(place: Page | Locator, name: str | re.Pattern[str]) -> None:
+    """One of several, by its label: the button itself is out of sight."""
+    radio = place.get_by_role("radio", name=name)
+    radio.locator("xpath=ancestor::label").click()
+    expect(radio).to_be_checked()
+
+
+def show_theme(page: Page, theme: str) -> None:
+    """Have the system ask for a theme, and wait until the page is drawn in it."""
+    page.emulate_media(color_scheme=theme)  # type: ignore[arg-type]
+    # Charts are drawn anew at the next frame.
+    page.evaluate("() => new Promise(then => requestAnimationFrame(() => setTimeout(then)))")
 
 
 @dataclass

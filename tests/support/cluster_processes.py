@@ -7,7 +7,7 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,9 +45,11 @@ def scheduler(
 
 
 @contextlib.contextmanager
-def worker(tls: dict[str, str], address: str) -> Iterator[subprocess.Popen[bytes]]:
+def worker(
+    tls: dict[str, str], address: str, options: Sequence[str] = ()
+) -> Iterator[subprocess.Popen[bytes]]:
     """``padstudio worker`` with one process."""
-    command = [sys.executable, "-c", PROGRAM, "worker", address, "--jobs", "1"]
+    command = [sys.executable, "-c", PROGRAM, "worker", address, "--jobs", "1", *options]
     command += ["--ca", tls["ca"], "--cert", tls["cert"], "--key", tls["key"]]
     with running(command) as process:
         yield process

@@ -16,6 +16,8 @@ from places import ROOT
 IMAGES = ROOT / "docs" / "images"
 #: Taken on the way of the README's session.
 SESSION = ("failing", "sweep")
+#: Taken by a browser whose camera is over a pad.
+LIVE = ("live",)
 MOST_BYTES = 60_000
 _WIDEST = 1000
 _QUALITIES = (82, 70, 58, 46, 34)

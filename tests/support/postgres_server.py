@@ -39,24 +39,51 @@ def running() -> Iterator[str]:
         return
     # Not in pytest's own folders, which are closed to other users.
     with tempfile.TemporaryDirectory(prefix="padstudio-pg-") as name:
-        folder, data = Path(name), Path(name) / "data"
-        # PostgreSQL refuses to run as root.
-        user = "nobody" if os.geteuid() == 0 else None
-        if user:
-            shutil.chown(folder, user)
-        initialize = [program("initdb"), "-D", str(data), "-U", OWNER, "-A", "trust", "--no-sync"]
-        subprocess.run(initialize, user=user, cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        command = [program("postgres"), "-D", str(data), "-k", name, "-c", "listen_addresses="]
-        command += ["-c", "fsync=off", "-c", "max_connections=50"]
-        with (folder / "log").open("wb") as log:
-            process = subprocess.Popen(command, user=user, cwd=folder, stderr=log)
+        cluster = Cluster(Path(name))
+        cluster.start()
         try:
-            url = f"postgresql://{OWNER}@/postgres?host={name}"
-            _wait(url, process)
-            yield url
+            yield cluster.url
         finally:
-            process.send_signal(signal.SIGINT)
-            process.wait(60)
+            cluster.stop()
+
+
+class Cluster:
+    """A server's files, and the server while it runs.
+
+    Parameters
+    ----------
+    folder : Path
+        Empty, and open to other users, as PostgreSQL refuses to run as root.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._user = "nobody" if os.geteuid() == 0 else None
+        self._process: subprocess.Popen[bytes] | None = None
+        self.url = f"postgresql://{OWNER}@/postgres?host={folder}"
+        if self._user:
+            shutil.chown(folder, self._user)
+        data = ["-D", str(folder / "data")]
+        initialize = [program("initdb"), *data, "-U", OWNER, "-A", "trust", "--no-sync"]
+        subprocess.run(
+            initialize, user=self._user, cwd=folder, check=True, stdout=subprocess.DEVNULL
+        )
+        self._command = [program("postgres"), *data, "-k", str(folder)]
+        self._command += ["-c", "listen_addresses=", "-c", "fsync=off", "-c", "max_connections=50"]
+
+    def start(self) -> None:
+        """Start the server, and wait until it answers."""
+        with (self._folder / "log").open("ab") as log:
+            self._process = subprocess.Popen(
+                self._command, user=self._user, cwd=self._folder, stderr=log
+            )
+        _wait(self.url, self._process)
+
+    def stop(self, how: signal.Signals = signal.SIGINT) -> None:
+        """End the server: SIGINT ends sessions, SIGQUIT breaks off as a crash does."""
+        assert self._process is not None
+        self._process.send_signal(how)
+        self._process.wait(60)
 
 
 def _wait(url: str, process: subprocess.Popen[bytes]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -55,6 +55,8 @@ class FakeEngine:
     asked: list[Work] = field(default_factory=list)
     stopped: list[str] = field(default_factory=list)
     restarted: list[str] = field(default_factory=list)
+    rested: int = 0
+    trouble: str | None = None
 
     def room(self, at_work: int) -> int:
         return 2 - at_work
@@ -70,7 +72,10 @@ class FakeEngine:
         self.restarted.append(key)
 
     def tend(self) -> str | None:
-        """Nothing to tend."""
+        return self.trouble
+
+    def rest(self) -> None:
+        self.rested += 1
 
     def close(self) -> None:
         """Nothing to close."""
@@ -104,10 +109,12 @@ class Bench:
         self.flights = Flights(self.store.session)
         self.runners: list[Runner] = []
 
-    def start(self, answer: Answer, **options: Any) -> FakeEngine:
+    def start(
+        self, answer: Answer, rest: Mapping[str, Any] | None = None, **options: Any
+    ) -> FakeEngine:
         engine = FakeEngine(answer)
         chunks = Chunks(self.store.session, attempts=2, **options)
-        runner = Runner(self.flights, chunks, engine, self.task_of)  # type: ignore[arg-type]
+        runner = Runner(self.flights, chunks, engine, self.task_of, **(rest or {}))  # type: ignore[arg-type]
         runner.start()
         self.runners.append(runner)
         return engine

@@ -6,7 +6,8 @@ import contextlib
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import httpx
 import uvicorn
 
 from padstudio.web.app import create_app
+from padstudio.web.http.connections import Connection
 from padstudio.web.server.settings import Settings
 
 SMALL_SPEC = {"name": "small", "rows": 12, "cols": 10, "ratio": 2, "seed": 7}
@@ -27,12 +29,24 @@ PRESET_SIZE = (1280, 720)
 
 
 @contextlib.contextmanager
-def running(settings: Settings, **options: Any) -> Iterator[httpx.Client]:
-    """A client of a server that runs in a thread until the context ends."""
+def running(
+    settings: Settings, *, faults: Mapping[str, Exception] | None = None, **options: Any
+) -> Iterator[httpx.Client]:
+    """A client of a server that runs in a thread until the context ends.
+
+    Parameters
+    ----------
+    settings : Settings
+    faults : mapping, optional
+        What is raised at addresses besides the server's own.
+    **options
+        Of `create_app`.
+    """
     listener = socket.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(
-        create_app(settings, **options), log_level="critical", lifespan="on", ws="none"
-    )
+    app = create_app(settings, **options)
+    for path, fault in (faults or {}).items():
+        app.add_api_route(path, partial(_fail, fault))
+    config = uvicorn.Config(app, http=Connection, log_level="critical", lifespan="on", ws="none")
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
@@ -41,13 +55,17 @@ def running(settings: Settings, **options: Any) -> Iterator[httpx.Client]:
         time.sleep(0.005)
     try:
         with httpx.Client(
-            base_url=f"http://127.0.0.1:{listener.getsockname()[1]}", timeout=30, trust_env=False
+            base_url=f"http://127.0.0.1:{listener.getsockname()[1]}", timeout=120, trust_env=False
         ) as client:
             yield client
     finally:
         server.should_exit = True
         thread.join()
         listener.close()
+
+
+async def _fail(fault: Exception) -> None:
+    raise fault
 
 
 def settings_for(data: Path, **values: Any) -> Settings:
