@@ -13,10 +13,12 @@ import sys
 from pathlib import Path
 
 import fake_analysis
+import pytest
 import served_things
 from places import ROOT
 from web_server import running, settings_for
 
+from padstudio.web.http import wrong_tokens
 from padstudio.web.server.studio import Studio
 
 #: Links between operations that scenarios follow at the least, of some 280 that are inferred.
@@ -43,7 +45,9 @@ class Resting(Studio):
         """Nothing is worked."""
 
 
-def test_nothing_is_found(tmp_path: Path) -> None:
+def test_nothing_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Its check `ignored_auth` sends hundreds of wrong tokens, which would wait ten seconds each.
+    monkeypatch.setattr(wrong_tokens, "_STEP_S", 0.0)
     values = settings_for(tmp_path / "data", token=TOKEN, **SMALL)
     studio = Resting.open(values, fake_analysis.analyze)
     with running(values, studio=studio) as client:
