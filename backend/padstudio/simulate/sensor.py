@@ -221,13 +221,18 @@ def _lens(light: Light, imaging: Imaging) -> Light:
         g = imaging.glare
         dx, dy = x - (g.x - 0.5) * width, y - (g.y - 0.5) * height
         square = (dx**2 + dy**2) / np.float32(g.radius * height) ** 2
-        light = light + (np.float32(g.strength) * np.exp(-square))[..., None]
+        glow = np.float32(g.strength) * np.exp(-square)
+        for channel in np.moveaxis(light, -1, 0):
+            channel += glow
     gain = np.float32(imaging.brightness)
     if imaging.vignetting > 0:
         square = (x**2 + y**2) / np.float32((width**2 + height**2) / 4)
-        light = light * (gain * (1 - np.float32(imaging.vignetting) * square))[..., None]
+        falloff = gain * (1 - np.float32(imaging.vignetting) * square)
+        # Plane by plane: numpy takes three times as long where it spreads over three channels.
+        for channel in np.moveaxis(light, -1, 0):
+            channel *= falloff
     elif gain != 1:
-        light = light * gain
+        light *= gain
     return light
 
 

@@ -56,7 +56,8 @@ def radiance(
     if scene.fog is not None:
         middle = tracks[len(tracks) // 2, tracks.shape[1] // 2]
         scene.fog.veil(out, view.rays, middle, scene.light.level)
-    out *= np.asarray(scene.light.cast, np.float32)
+    for channel, cast in zip(np.moveaxis(out, -1, 0), scene.light.cast, strict=True):
+        channel *= np.float32(cast)
     dark = beyond_lens(camera)
     if dark is not None:
         out[dark] = 0
