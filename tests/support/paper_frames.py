@@ -55,6 +55,7 @@ def edge_map(camera=None, channel="red"):
         nothing,
         nothing,
         np.zeros((0, 2)),
+        np.zeros((0, 2), np.int32),
         np.zeros(0, np.int32),
         plane,
         camera or small_camera(),

@@ -27,7 +27,9 @@ def drawn(strokes):
     y, x = np.nonzero(thin)
     mask = cv2.dilate(thin, np.ones((3, 3), np.uint8))
     points = np.stack([x, y], axis=1).astype(float)
-    return EdgeMap(thin, mask, points, turns[mask > 0], blank.plane, blank.camera)
+    y, x = np.nonzero(mask)
+    xy = np.stack([x, y], axis=1).astype(np.int32)
+    return EdgeMap(thin, mask, points, xy, turns[y, x], blank.plane, blank.camera)
 
 
 DASHES = [((60 + 90 * k, 100), (110 + 90 * k, 100)) for k in range(6)]

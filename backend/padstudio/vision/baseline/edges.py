@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import cv2
@@ -40,9 +39,11 @@ class EdgeMap:
         The same, dilated.
     points : (N, 2) float64
         Canny's edge pixels, moved to where the grey plane is steepest; plane pixels.
+    xy : (P, 2) int32
+        The pixels of the mask, row by row.
     normals : (P,) int32
-        Which way the grey plane is steepest at each pixel of the mask, row by row, over half a turn
-        in `hough_kernel.BINS` steps; 0 is along a row.
+        Which way the grey plane is steepest at each of them, over half a turn in
+        `hough_kernel.BINS` steps; 0 is along a row.
     plane : Plane
         What they were found in.
     camera : Camera
@@ -52,6 +53,7 @@ class EdgeMap:
     thin: Image
     mask: Image
     points: Array
+    xy: NDArray[np.int32]
     normals: NDArray[np.int32]
     plane: Plane
     camera: Camera
@@ -104,9 +106,14 @@ def find_edge_map(
             f"only {count} edge pixels in {binary.plane.channel}, {_LEAST_EDGES} are needed",
         )
     mask = np.asarray(cv2.dilate(thin, np.ones((3, 3), np.uint8)), np.uint8)
-    gradient = _gradient(binary.plane)
-    points = _steepest(gradient, thin)
-    return EdgeMap(thin, mask, points, _normals(gradient, mask), binary.plane, camera)
+    gx, gy = _gradient(binary.plane)
+    # Thresholds and cleaning round the cells' corners and shift their sides; the grey plane knows
+    # better. Along the gradient's main axis the steepest of five pixels is taken, and the parabola
+    # through it and its neighbours.
+    points = edges_kernel.steepest(xy[~off], gx, gy, steepness(gx, gy), _SEARCH)
+    near = pixels(mask)
+    normals = edges_kernel.directions(near, gx, gy, BINS)
+    return EdgeMap(thin, mask, points, near, normals, binary.plane, camera)
 
 
 def pixels(mask: Image) -> NDArray[np.int32]:
@@ -125,24 +132,6 @@ def _gradient(plane: Plane) -> _Gradient:
     smooth = cv2.GaussianBlur(plane.values, (3, 3), 0)
     gx = np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 1, 0), np.float32)
     return gx, np.asarray(cv2.Scharr(smooth, cv2.CV_32F, 0, 1), np.float32)
-
-
-def _normals(gradient: _Gradient, mask: Image) -> NDArray[np.int32]:
-    x, y = pixels(mask).T
-    angle = np.arctan2(gradient[1][y, x], gradient[0][y, x])
-    bins = np.mod(np.round(angle * (BINS / math.pi)), BINS)
-    return np.asarray(bins, np.int32)
-
-
-def _steepest(gradient: _Gradient, thin: Image) -> Array:
-    """Edge pixels to a part of a pixel, (N, 2).
-
-    Thresholds and cleaning round the cells' corners and shift their sides; the grey plane knows
-    better. Along the gradient's main axis the steepest of five pixels is taken, and the parabola
-    through it and its neighbours.
-    """
-    gx, gy = gradient
-    return edges_kernel.steepest(pixels(thin), gx, gy, steepness(gx, gy), _SEARCH)
 
 
 def _gray(plane: Plane) -> NDArray[np.uint8]:

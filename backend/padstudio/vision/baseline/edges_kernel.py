@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +32,16 @@ def steepest(xy: NDArray[np.int32], gx: Plane, gy: Plane, steep: Plane, search: 
         moved[k, 0], moved[k, 1] = x, y
         moved[k, 0 if along_x else 1] += shift
     return moved
+
+
+@jit
+def directions(xy: NDArray[np.int32], gx: Plane, gy: Plane, bins: int) -> NDArray[np.int32]:
+    """Which way the plane is steepest at pixels (N, 2), in so many bins over half a turn."""
+    found = np.empty(len(xy), np.int32)
+    for k in range(len(xy)):
+        x, y = xy[k]
+        found[k] = round(math.atan2(gy[y, x], gx[y, x]) * bins / math.pi) % bins
+    return found
 
 
 @jit

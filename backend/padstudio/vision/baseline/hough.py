@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.vision.baseline import hough_kernel, lines_kernel
-from padstudio.vision.baseline.edges import EdgeMap, pixels
+from padstudio.vision.baseline.edges import EdgeMap
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
 
@@ -103,13 +103,12 @@ def homogeneous(ends: Array) -> Array:
 
 
 def _hough(edges: EdgeMap, params: PaperParams) -> Array:
-    xy = pixels(edges.mask)
     # The order is random, and the same each time.
-    order = np.random.default_rng(0).permutation(len(xy))
+    order = np.random.default_rng(0).permutation(len(edges.xy))
     side = max(edges.mask.shape)
     segments = hough_kernel.find_segments(
         edges.mask.shape,
-        xy[order],
+        edges.xy[order],
         edges.normals[order],
         params.hough_votes,
         max(params.hough_length * side, _LEAST_LENGTH_PX),

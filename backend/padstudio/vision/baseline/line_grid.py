@@ -27,6 +27,8 @@ _AS_GOOD = 0.88
 _LEAST_LINES = 3
 # Vanishing points, of length 1, that span less than this are one.
 _LEAST_APART = 1e-6
+# So often misfits are dropped and the rest is weighed anew.
+_ROUNDS = 5
 # Of the lines from a family's first to its last, this share must have been found.
 _LEAST_FOUND = 0.4
 
@@ -165,28 +167,13 @@ def _fit_lattice(ends: Array, numbers: Array, support: Array) -> Array | None:
 
     ``numbers`` loses the misfits.
     """
-    fit: Array | None = None
-    for _ in range(5):
+    fit = np.zeros((3, 3))
+    for _ in range(_ROUNDS):
         if (np.isfinite(numbers).sum(axis=1) < _LEAST_LINES).any():
             return None
-        equations = []
-        for axis in (0, 1):
-            which = np.flatnonzero(np.isfinite(numbers[axis]))
-            points = np.column_stack([ends[which].reshape(-1, 2), np.ones(2 * len(which))])
-            number = np.repeat(numbers[axis, which], 2)
-            weight = np.repeat(np.sqrt(support[which]), 2)
-            if fit is not None:
-                weight = weight / _steepness(fit, axis, number, points)
-            block = np.zeros((len(points), 9))
-            block[:, 3 * axis : 3 * axis + 3] = points
-            block[:, 6:] = -number[:, None] * points
-            equations.append(block * weight[:, None])
-        system = np.concatenate(equations)
-        fit = np.asarray(np.linalg.eigh(system.T @ system)[1][:, 0].reshape(3, 3), float)
-        for axis in (0, 1):
-            coordinate = _coordinates(fit, ends)[..., axis]
-            off = np.abs(coordinate - numbers[axis][:, None]).max(axis=1)
-            numbers[axis] = np.where(off < 1.5 * _NEAR, numbers[axis], np.nan)
+        normal = lines_kernel.lattice_equations(ends, numbers, support, fit)
+        fit = np.ascontiguousarray(np.linalg.eigh(normal)[1][:, 0].reshape(3, 3), float)
+        lines_kernel.drop_misfits(numbers, ends, fit, 1.5 * _NEAR)
     return fit if all(_dense_enough(family) for family in numbers) else None
 
 
@@ -194,12 +181,6 @@ def _dense_enough(numbers: Array) -> bool:
     """Whether enough of a family's lines were found: else any lines at all would be a grid."""
     known = np.unique(numbers[np.isfinite(numbers)])
     return len(known) >= _LEAST_LINES and len(known) >= _LEAST_FOUND * (known[-1] - known[0])
-
-
-def _steepness(fit: Array, axis: int, number: Array, points: Array) -> Array:
-    """What turns the algebraic error of points on numbered lines into distances."""
-    lines = fit[axis] - number[:, None] * fit[2]
-    return np.asarray(np.maximum(np.linalg.norm(lines[:, :2], axis=1), 1e-12), float)
 
 
 def _coordinates(fit: Array, xy: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Compiled inner loops of `hough` and `vanishing_points`, which document what they compute."""
+"""Compiled inner loops of `hough`, `vanishing_points` and `line_grid`, which document what they compute."""
 
 from __future__ import annotations
 
@@ -177,6 +177,25 @@ def uncrossed(ends: Array, family: NDArray[np.bool_], support: Array) -> NDArray
 
 
 @jit
+def crossings(lines: Array, low: Array, high: Array) -> Array:
+    """Where pairs of lines (M, 3) meet, outside a box: homogeneous points (N, 3) of length 1."""
+    points, count = np.empty((len(lines) * (len(lines) - 1) // 2, 3)), 0
+    for i in range(len(lines)):
+        for j in range(i + 1, len(lines)):
+            a, b = lines[i], lines[j]
+            x, y = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]
+            w = a[0] * b[1] - a[1] * b[0]
+            size = math.sqrt(x * x + y * y + w * w)
+            if size <= 1e-9:
+                continue
+            if w != 0 and low[0] < x / w < high[0] and low[1] < y / w < high[1]:
+                continue
+            points[count, 0], points[count, 1], points[count, 2] = x / size, y / size, w / size
+            count += 1
+    return points[:count].copy()
+
+
+@jit
 def pointed_at(points: Array, ends: Array, weight: Array, aligned_rad: float) -> Array:
     """The weight (N,) of the lines (M, 2, 2) that point at each of some points (N, 3)."""
     out = np.zeros(len(points))
@@ -189,3 +208,43 @@ def pointed_at(points: Array, ends: Array, weight: Array, aligned_rad: float) ->
             if abs(ax * ty - ay * tx) < steepest * abs(ax * tx + ay * ty):
                 out[p] += weight[k]
     return out
+
+
+@jit
+def lattice_equations(ends: Array, numbers: Array, support: Array, fit: Array) -> Array:
+    """Normal equations (9, 9) of the map (3, 3) under which ends lie on their numbered lines.
+
+    Errors are distances under the map ``fit``; where it is 0, algebraic ones. Lines numbered NaN do
+    not count.
+    """
+    normal, row = np.zeros((9, 9)), np.zeros(9)
+    for axis in range(2):
+        for k in range(len(ends)):
+            number = numbers[axis, k]
+            if math.isnan(number):
+                continue
+            nx, ny = fit[axis, 0] - number * fit[2, 0], fit[axis, 1] - number * fit[2, 1]
+            steep = nx * nx + ny * ny
+            weight = support[k] / (steep if steep > 0 else 1.0)
+            for end in range(2):
+                row[:] = 0.0
+                for i in range(3):
+                    value = ends[k, end, i] if i < 2 else 1.0
+                    row[3 * axis + i], row[6 + i] = value, -number * value
+                for i in range(9):
+                    for j in range(9):
+                        normal[i, j] += weight * row[i] * row[j]
+    return normal
+
+
+@jit
+def drop_misfits(numbers: Array, ends: Array, fit: Array, near: float) -> None:
+    """Number those lines NaN with an end that the map puts off their line."""
+    for k in range(len(ends)):
+        for end in range(2):
+            x, y = ends[k, end, 0], ends[k, end, 1]
+            w = fit[2, 0] * x + fit[2, 1] * y + fit[2, 2]
+            for axis in range(2):
+                at = fit[axis, 0] * x + fit[axis, 1] * y + fit[axis, 2]
+                if not abs(at - numbers[axis, k] * w) < near * abs(w):
+                    numbers[axis, k] = np.nan

@@ -50,16 +50,9 @@ def _vanishing_point(ends: Array, support: Array, allowed: Flags) -> Array | Non
     if len(which) < _LEAST_LINES:
         return None
     lines = homogeneous(ends[which])
-    best = which[: min(_PROPOSERS, len(which))]
-    i, j = np.triu_indices(len(best), 1)
-    points = np.cross(lines[i], lines[j])
-    size = np.linalg.norm(points, axis=1)
-    points = points[size > 1e-9] / size[size > 1e-9, None]
     # Lines of a family do not cross within the picture: nor may they meet where lines are.
     low, high = ends.reshape(-1, 2).min(axis=0), ends.reshape(-1, 2).max(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = points[:, :2] / points[:, 2:]
-    points = points[~((at > low) & (at < high)).all(axis=1)]
+    points = lines_kernel.crossings(lines[:_PROPOSERS], low, high)
     if not len(points):
         return None
     weight = support[which]
