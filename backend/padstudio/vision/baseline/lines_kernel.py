@@ -1,4 +1,4 @@
-"""Compiled inner loops of `hough`, `vanishing_points` and `line_grid`, which document what they compute."""
+"""Compiled loops of `hough`, `vanishing_points` and `line_grid`, which say what they compute."""
 
 from __future__ import annotations
 
