@@ -114,7 +114,9 @@ class Live:
 
 def judged(frames: list[dict[str, Any]], truth: list[dict[str, Any]]) -> Iterator[str]:
     """Verdicts of the poses of one connection; they tell themselves which frame is its first."""
-    places = [round(frame["time_s"] * 30) for frame in frames]
+    # A connection's clock begins anywhere between two frames.
+    first_s = frames[0]["time_s"]
+    places = [round((frame["time_s"] - first_s) * 30) for frame in frames]
     found = [(place, frame) for place, frame in zip(places, frames, strict=True) if _ok(frame)]
 
     def verdict(place: int, frame: dict[str, Any]) -> str:
