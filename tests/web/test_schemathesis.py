@@ -22,7 +22,7 @@ from padstudio.web.http import wrong_tokens
 from padstudio.web.server.studio import Studio
 
 #: Links between operations that scenarios follow at the least, of some 280 that are inferred.
-LEAST_LINKS = 8
+LEAST_LINKS = 30
 TOKEN = "a-token-of-some-length"
 #: Dear work is refused for its size, so that requests cost milliseconds.
 SMALL = {
