@@ -10,6 +10,17 @@ import { bytes, moment, number } from "../shared/formatLogic.js";
 /** @param {Pick<Experiment, "state"> | null} experiment */
 export const isAtWork = (experiment) => experiment?.state === "queued" || experiment?.state === "running";
 
+/**
+ * What stands where a report will be.
+ *
+ * @param {Pick<Experiment, "state">[]} all
+ */
+export function reportInWords(all) {
+  if (all.some(({ state }) => state === "done")) return "Open a run to read its report.";
+  if (all.some(isAtWork)) return "The report stands here when all frames are read.";
+  return "No report yet. Start a run: its figures, its tables and what holds will stand here.";
+}
+
 /** @param {Pick<Experiment, "state" | "steps_done" | "steps_total">} experiment */
 export function progressInWords({ state, steps_done: done, steps_total: total }) {
   if (state === "queued") return "Waiting for a free worker …";

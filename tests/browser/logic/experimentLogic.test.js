@@ -1,4 +1,4 @@
-import { noteOf, ofKind, progressInWords, sortedFiles, verdictKind } from "/static/js/experiments/experimentLogic.js";
+import { noteOf, ofKind, progressInWords, reportInWords, sortedFiles, verdictKind } from "/static/js/experiments/experimentLogic.js";
 import { equal } from "./check.js";
 
 const experiment = (change = {}) => ({
@@ -16,6 +16,11 @@ export const tests = {
     equal(noteOf(experiment()), "7 of 180 frames");
     equal(noteOf(experiment({ state: "failed", error: { code: "x", message: "no room" } })), "failed: no room");
     equal(noteOf(experiment({ state: "cancelled" })), "stopped");
+  },
+  "where no report is, it says how to get one": () => {
+    equal(reportInWords([experiment({ state: "done" }), experiment()]), "Open a run to read its report.");
+    equal(reportInWords([experiment()]), "The report stands here when all frames are read.");
+    equal(reportInWords([experiment({ state: "failed" })]).startsWith("No report yet."), true);
   },
   "each section has its own kind": () => {
     const all = [experiment(), experiment({ id: "b", kind: "shootout" })];

@@ -13,7 +13,7 @@
 
 import { keyedRows } from "../../shared/components/keyedRows.js";
 import { mountStatus } from "../../shared/components/status.js";
-import { isAtWork, noteOf, progressInWords } from "../experimentLogic.js";
+import { isAtWork, noteOf, progressInWords, reportInWords } from "../experimentLogic.js";
 import { mountReportView } from "./reportView.js";
 
 /**
@@ -51,7 +51,8 @@ export function mountExperimentSection(root, { onStart, onOpen, onRemove }) {
         key: each.id, name: each.name, note: noteOf(each), isAtWork: isAtWork(each), isDone: each.state === "done",
         isOpen: opened?.id === each.id,
       })));
-      find("empty").hidden = all.length > 0;
+      find("blank").hidden = Boolean(opened?.result);
+      find("blank").textContent = reportInWords(all);
       const running = all.find((each) => each.state === "running") ?? all.find(isAtWork);
       find("running").hidden = !running;
       if (running) {
