@@ -53,6 +53,7 @@ def test_without_arguments_the_help_is_shown():
         ["generate", "-o", "x.json", "--unique", "maybe"],
         ["generate", "-o", "x.json", "--cells", "1x2x3"],
         ["generate", "-o", "x.json", "--cells", "-4"],
+        ["generate", "-o", "x.json", "--cells", "9" * 5000],
         ["serve", "--port", "70000"],
     ],
 )

@@ -35,6 +35,12 @@ def test_pictures_by_number_and_nothing_else(path: Path) -> None:
     assert read_still(path, "b/9.JPG") == b"b/9.JPG"
 
 
+def test_numbers_of_any_length_have_an_order(path: Path) -> None:
+    names = [f"{number}.jpg" for number in ("2", "010", "1" + "0" * 4999, "2" + "0" * 4999)]
+    _pack(path, {name: b"" for name in reversed(names)})
+    assert list_stills(path) == names
+
+
 @pytest.mark.parametrize("kind", [zipfile.ZIP_STORED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 def test_ways_to_pack(path: Path, kind: int) -> None:
     _pack(path, {"a.jpg": b"data"}, kind)

@@ -96,4 +96,9 @@ def kind_of(path: Path) -> content.Kind:
 def by_number(name: str) -> list[tuple[int, int, str]]:
     """Sorts names with the numbers in them by value: ``a2`` before ``a10``."""
     parts = re.split(r"(\d+)", name)
-    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
+    digits = [part.lstrip("0") if part.isdecimal() else None for part in parts]
+    # Of numbers without leading zeros the longer one is larger, however long they are.
+    return [
+        (1, 0, part) if number is None else (0, len(number), number)
+        for part, number in zip(parts, digits, strict=True)
+    ]

@@ -61,6 +61,7 @@ def test_an_address_is_of_a_known_kind(text: str, kind: str, host: str, port: in
         "udp://0.0.0.0:5600?localaddr=a%26b",
         "rtp://0.0.0.0:5600?codec=vp8",
         "rtp://0.0.0.0:5600?codec=h264&payload=300",
+        "rtp://0.0.0.0:5600?codec=h264&payload=" + "9" * 5000,
         "rtp://u:p@0.0.0.0:5600",
         "udp://0.0.0.0:5600/path",
         "x" * 2001,

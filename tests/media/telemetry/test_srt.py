@@ -82,6 +82,17 @@ def test_subtitles_of_other_forms_are_counted() -> None:
     assert (len(found.samples), found.unread) == (1, 1)
 
 
+@pytest.mark.parametrize("digits", [10, 400, 5000])
+def test_numbers_of_any_length_are_no_fault(digits: int) -> None:
+    many = "9" * digits
+    with pytest.raises(TelemetryError):
+        parse_srt(f"1\n{many}:00:00,000 --> 00:00:01,000\nH 4.0m\n")
+    found = parse_srt(f"1\n00:00:00,000 --> {many}:00:01,000\nH 4.0m\n\n{CUE}H 5.0m\n")
+    assert [sample.height_m for sample in found.samples] == [5.0]
+    found = parse_srt(f"1\n00:00:00,000 --> 00:00:01,000\nFrameCnt: {many}\nH 4.0m\n")
+    assert [sample.frame for sample in found.samples] == [None]
+
+
 @pytest.mark.parametrize("text", ["", "a text", CUE + "Never gonna give you up\n"])
 def test_what_is_no_telemetry_is_refused(text: str) -> None:
     with pytest.raises(TelemetryError) as caught:

@@ -141,12 +141,15 @@ def _show(report: Report) -> None:
 
 
 def _show_sources(table: Table) -> None:
-    heads = ("source", "mm", "95 %", "% of height", "height mm", "across mm", "attitude °")
+    # Short ones: a terminal of 80 columns shows all figures whole.
+    heads = ("source", "mm", "95 %", "%", "height", "across", "°")
+    parts = "%: of the height; height and across: parts of the position, mm; °: of the attitude"
     rows = []
     for source, _, position, low, high, share, height, across, attitude, told, _ in table.shown:
         size = position if told != "no" else f"≤ {high}"
         rows.append((source, size, f"{low} … {high}", share, height, across, attitude))
-    show_table(heads, rows, caption=table.caption, right=heads[1:], whole=heads[:3])
+    caption = f"{table.caption}; {parts}"
+    show_table(heads, rows, caption=caption, right=heads[1:], whole=heads[1:])
 
 
 def _show_changes(table: Table) -> None:

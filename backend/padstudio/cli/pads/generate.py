@@ -96,6 +96,6 @@ def generate(
 
 def _cells(text: str) -> tuple[int, int]:
     parts = text.lower().split("x")
-    if len(parts) > 2 or not all(part.isdecimal() for part in parts):
+    if len(parts) > 2 or not all(part.isdecimal() and len(part) < 10 for part in parts):
         raise typer.BadParameter(f"{text!r} is neither N nor ROWSxCOLUMNS", param_hint="--cells")
     return int(parts[0]), int(parts[-1])

@@ -236,7 +236,7 @@ def is_passing(error: ServerError) -> bool:
 def _release(version: str) -> tuple[int, ...]:
     """Major and minor: within one release requests and answers stay the same."""
     parts = version.split(".")[:2]
-    return tuple(int(part) if part.isdecimal() else -1 for part in parts)
+    return tuple(int(part) if part.isdecimal() and len(part) < 10 else -1 for part in parts)
 
 
 def _is_overheard(address: str) -> bool:

@@ -192,7 +192,8 @@ def _tile(picture: Image | None, words: str) -> Image:
 
 def _labelled(picture: Image, words: str) -> Image:
     font = cv2.FONT_HERSHEY_SIMPLEX
-    cv2.rectangle(picture, (0, 0), (14 + 9 * len(words), 24), _BLACK, -1)
+    width = cv2.getTextSize(words, font, 0.5, 1)[0][0]
+    cv2.rectangle(picture, (0, 0), (12 + width, 24), _BLACK, -1)
     cv2.putText(picture, words, (6, 17), font, 0.5, _WHITE, 1, cv2.LINE_AA)
     picture[:, -2:] = picture[-2:] = 255
     return picture

@@ -144,7 +144,7 @@ def _listening(kind: Kind, parts: SplitResult, port: int | None) -> StreamAddres
     if values.get("codec", "h264").lower() not in RTP_CODECS:
         raise _refused(f"codec is one of {', '.join(RTP_CODECS)}; others need an .sdp file")
     payload = values.get("payload", "96")
-    if not payload.isdecimal() or not 0 <= int(payload) <= 127:
+    if not re.fullmatch(r"[0-9]{1,3}", payload) or int(payload) > 127:
         raise _refused("payload is RTP's number of the payload's type, 0 … 127")
     host = parts.hostname or "0.0.0.0"
     inside = f"[{host}]" if ":" in host else host

@@ -33,10 +33,11 @@ _VALUE = rf"([-+]?\d++(?:[.,]\d++)?+{_EXPONENT})(?![.,]?\d)"
 _FEET = r"(?:\s*(ft|FT|feet)\b)?"
 _FOOT_M = 0.3048
 _CUE = re.compile(
-    r"(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->\s*(\d+):(\d\d):(\d\d)[,.](\d{1,3})[^\n]*\n"
+    r"(?<!\d)(\d{1,4}):(\d\d):(\d\d)[,.](\d{1,3})\s*-->\s*"
+    r"\d{1,4}:\d\d:\d\d[,.]\d{1,3}[^\n]*\n"
 )
 _TAG = re.compile(r"<[^>\n]{1,200}>|\{[^}\n]{1,200}\}")
-_FRAME = re.compile(r"(?:FrameCnt|SrtCnt)\s*:\s*(\d+)")
+_FRAME = re.compile(r"(?:FrameCnt|SrtCnt)\s*:\s*(\d{1,9})(?!\d)")
 _CLOCK = re.compile(r"\d{4}[-.]\d\d[-.]\d\d \d\d:\d\d:\d\d(?:[.,]\d{1,3})?")
 _HEIGHT = (
     re.compile(rf"\brel_alt\s*:\s*{_VALUE}{_FEET}"),
@@ -91,7 +92,7 @@ def parse_srt(text: str) -> Telemetry:
     cues = list(_CUE.finditer(text))
     ends = [*(cue.start() for cue in cues), len(text)][1:]
     telemetry = _collect(
-        (_seconds(cue.groups()[:4]), text[cue.end() : end])
+        (_seconds(cue.groups()), text[cue.end() : end])
         for cue, end in zip(cues, ends, strict=False)
     )
     if not telemetry.samples:
