@@ -37,7 +37,7 @@ def test_pictures_by_number_and_nothing_else(path: Path) -> None:
 
 def test_numbers_of_any_length_have_an_order(path: Path) -> None:
     names = [f"{number}.jpg" for number in ("2", "010", "1" + "0" * 4999, "2" + "0" * 4999)]
-    _pack(path, {name: b"" for name in reversed(names)})
+    _pack(path, dict.fromkeys(reversed(names), b""))
     assert list_stills(path) == names
 
 
