@@ -157,3 +157,11 @@ def test_a_position_that_is_not_valid_is_not_taken() -> None:
     assert log.local is not None
     assert log.height is not None
     assert len(log.local.time_s) == len(log.height.time_s) == len(FLOWN.time_s) - 1
+
+
+@pytest.mark.parametrize("finite", [0, 1])
+@pytest.mark.parametrize("count", [0, 1, 2, 9])
+def test_of_fewer_than_two_finite_values_there_is_no_series(count: int, finite: int) -> None:
+    values = np.full((count, 3), np.nan)
+    values[:finite] = 1.0
+    assert Series.of(np.arange(float(count)), values) is None

@@ -51,12 +51,14 @@ class Series:
         table = table if table.ndim == 2 else table[:, None]
         known = np.isfinite(times) & np.isfinite(table).all(axis=1)
         times, table = times[known], table[known]
-        if len(times) and (np.diff(times) < -_RESTART_S).any():
+        if len(times) < 2:
+            return None
+        if (np.diff(times) < -_RESTART_S).any():
             raise TelemetryError(
                 "the clock of the log goes back: the vehicle was started again within it; send the "
                 "part of the flight alone"
             )
-        rising = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]] if len(times) else known
+        rising = np.r_[True, times[1:] > np.maximum.accumulate(times)[:-1]]
         times, table = times[rising], table[rising]
         return cls(times, table) if len(times) > 1 else None
 
