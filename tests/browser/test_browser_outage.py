@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from urllib.parse import urlsplit
 
 import pytest
 from browser_support import Complaints
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 AWAY = {"error": {"code": "unavailable", "message": "the server is going down", "detail": {}}}
 
@@ -34,6 +35,29 @@ def test_what_could_not_be_loaded_is_tried_again(
     complaints.expected = {503}
     page = open_page(path)
     _away(page)
+    _tries_again(page)
+
+
+@pytest.mark.parametrize("late", ["/api/v1/pads", "/api/v1/cameras"])
+def test_so_is_whatever_fails_last(
+    open_page: Callable[..., Page], complaints: Complaints, late: str
+) -> None:
+    complaints.expected = {503}
+    page = open_page("/design")
+    held: list[Route] = []
+
+    def answer(route: Route) -> None:
+        if urlsplit(route.request.url).path == late:
+            held.append(route)
+        else:
+            route.fulfill(status=503, json=AWAY)
+
+    page.route("**/api/v1/**", answer)
+    page.reload()
+    expect(page.locator("#status")).to_contain_text("going down")
+    with page.expect_response(lambda response: urlsplit(response.url).path == late):
+        held[0].fulfill(status=503, json=AWAY)
+    page.evaluate("() => new Promise((done) => setTimeout(done, 50))")
     _tries_again(page)
 
 

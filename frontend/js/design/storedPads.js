@@ -16,6 +16,7 @@
 import * as api from "../server/api.js";
 import { verifyPad } from "../server/planApi.js";
 import { isAbort, messageOf } from "../server/request.js";
+import { loadFault } from "../shared/components/status.js";
 import { tableSizes, textsOfPad } from "./designLogic.js";
 import { keptStrip } from "./printLogic.js";
 
@@ -33,7 +34,13 @@ export function makeStoredPads({ state, set, specOf, begin, showPad, tellBounds 
     }
   }
 
-  const list = () => attempt(async () => set({ pads: (await api.listPads()).items }));
+  async function list() {
+    try {
+      set({ pads: (await api.listPads()).items });
+    } catch (error) {
+      set({ status: loadFault(error) });
+    }
+  }
 
   /** @returns {Promise<string | null>} the stored pad's id */
   async function save() {
@@ -69,8 +76,7 @@ export function makeStoredPads({ state, set, specOf, begin, showPad, tellBounds 
       set({ savedId: id, ...print, texts: textsOfPad(summary, pad), bounds: null });
       showPad(pad, null);
     } catch (error) {
-      set({ savedId: null });
-      fail(error);
+      set({ savedId: null, status: loadFault(error, () => open(id)) });
     }
     set({ busy: false });
     if (state().savedId === id) await verify(id, mine.signal);
