@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from dense_frames import errors, random_pose
+from hypothesis import given
+from hypothesis import strategies as st
 
-from padstudio.geometry.planar_pnp import mirrored, planar_pose
+from padstudio.geometry.planar_pnp import least_squares, mirrored, planar_pose, spread_of
 from padstudio.geometry.pose import look_at_pad
 
 POINTS = np.column_stack([np.random.default_rng(2).uniform(-100, 100, (25, 2)), np.zeros(25)])
@@ -61,3 +63,20 @@ def test_a_mirrored_pose_shows_a_small_plane_alike():
     assert np.abs(rays_of(other) - rays_of(pose)).max() < 0.003 * size
     assert errors(other, pose)[1] > 10
     np.testing.assert_allclose(mirrored(other).rotation, pose.rotation, atol=1e-12)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_spread_is_that_of_poses_found_anew(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tilt, heading = rng.uniform(5, 40), rng.uniform(0, 360)
+    pose = look_at_pad(900.0, tilt_deg=tilt, heading_deg=heading)
+    points = np.array([[-150.0, -150, 0], [150, -150, 0], [150, 150, 0], [-150, 150, 0]])
+    rays = rays_of(pose, points)
+    moves = rng.normal(0, 3e-4, (5, 4, 2))
+    moved = rays + np.concatenate([moves, -moves])
+    covariance, unexplained = spread_of(points, rays, moved, pose)
+    found = [least_squares(points, each, pose)[1] for each in moved]
+    steps = [pose.step_to(each) for each in found]
+    assert covariance == pytest.approx(sum(np.outer(s, s) for s in steps) / 2, rel=1e-4, abs=1e-9)
+    off = [each - rays_of(new, points) for each, new in zip(moved, found, strict=True)]
+    assert unexplained == pytest.approx((np.array(off) ** 2).sum() / 2, rel=1e-3, abs=1e-12)

@@ -152,6 +152,37 @@ def _from_homography(points_mm: Array, rays: Array) -> list[Pose]:
     return [pose] if pose.position_mm[2] > 0 else []
 
 
+def spread_of(points_mm: Array, rays: Array, moved: Array, pose: Pose) -> tuple[Array, float]:
+    """A pose's covariance from moves of its points, after each of which it is found anew.
+
+    Parameters
+    ----------
+    points_mm : (N, 3) float64
+    rays : (N, 2) float64
+        Where they are seen, on the plane z = 1.
+    moved : (2 M, N, 2) float64
+        The same after each of M moves, and after its contrary.
+    pose : Pose
+        Of least squares.
+
+    Returns
+    -------
+    covariance : (6, 6) float64
+        Centre (mm, pad frame), then attitude (radians, about the camera's axes).
+    unexplained : float
+        Squares of the moves that no pose follows.
+    """
+    covariance, unexplained = planar_pnp_kernel.spread(
+        np.ascontiguousarray(points_mm, float),
+        np.ascontiguousarray(rays, float),
+        np.ascontiguousarray(moved, float),
+        np.ascontiguousarray(pose.rotation),
+        np.asarray(pose.position_mm, float),
+        _MOST_STEPS,
+    )
+    return covariance, float(unexplained)
+
+
 def least_squares(points_mm: Array, rays: Array, pose: Pose) -> tuple[float, Pose]:
     """The pose nearby with the least reprojection error.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.geometry.small_matrices import solve, turned
+from padstudio.geometry.small_matrices import rotation_vector, solve, turned
 
 
 @fast_jit
@@ -114,3 +114,61 @@ def fit_mirrored(
     if not squares < np.inf or place[2] <= 0:
         return np.inf, other
     return squares, found
+
+
+@fast_jit
+def spread(
+    points: Array, rays: Array, moved: Array, rotation: Array, centre: Array, most_steps: int
+) -> tuple[Array, float]:
+    """What moves of points' rays do to a pose, which is found anew for each of them.
+
+    Parameters
+    ----------
+    points : (N, 3) float64
+    rays : (N, 2) float64
+        Where the points are seen, on the plane z = 1.
+    moved : (2 M, N, 2) float64
+        The same after each of M moves, and after its contrary.
+    rotation : (3, 3) float64
+    centre : (3,) float64
+        The pose, camera to pad.
+    most_steps : int
+
+    Returns
+    -------
+    covariance : (6, 6) float64
+        Of the centre and of a rotation vector in the camera frame.
+    unexplained : float
+        Squares of the moves that no pose follows.
+    """
+    covariance, unexplained = np.zeros((6, 6)), 0.0
+    step, turn = np.empty(6), np.zeros((3, 3))
+    at_rest = _off(points, rays, rotation, centre)
+    for m in range(len(moved)):
+        squares, there, place = fit_points(points, moved[m], rotation, centre, most_steps)
+        if not squares < np.inf or place[2] <= 0:
+            there, place = rotation, centre
+        for i in range(3):
+            for j in range(3):
+                turn[i, j] = 0.0
+                for k in range(3):
+                    turn[i, j] += rotation[k, i] * there[k, j]
+        step[:3], step[3:] = place - centre, rotation_vector(turn)
+        for i in range(6):
+            for j in range(6):
+                covariance[i, j] += step[i] * step[j] / 2
+        unexplained += ((_off(points, moved[m], there, place) - at_rest) ** 2).sum() / 2
+    return covariance, unexplained
+
+
+@fast_jit
+def _off(points: Array, rays: Array, rotation: Array, centre: Array) -> Array:
+    """How far rays (N, 2) are from where a pose has its points, on the plane z = 1."""
+    off, at = np.empty((len(points), 2)), np.empty(3)
+    for i in range(len(points)):
+        for k in range(3):
+            at[k] = 0.0
+            for j in range(3):
+                at[k] += (points[i, j] - centre[j]) * rotation[j, k]
+        off[i, 0], off[i, 1] = rays[i, 0] - at[0] / at[2], rays[i, 1] - at[1] / at[2]
+    return off

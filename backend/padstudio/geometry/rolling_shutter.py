@@ -26,10 +26,10 @@ _NEAR_RAD = 0.01
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Cross products of rows, (N, 3) each; `numpy.cross` costs four times as much on thousands."""
+    """Cross products of rows, (N, 3) or (3,) each; `numpy.cross` costs four times as much."""
     ax, ay, az = a.T
     bx, by, bz = b.T
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

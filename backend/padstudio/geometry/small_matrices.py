@@ -9,6 +9,9 @@ import numpy as np
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
 
+# Jacobi's turns converge quadratically, in six sweeps or so.
+_SWEEPS = 30
+
 
 @fast_jit
 def solve(matrix: Array, right: Array) -> tuple[bool, Array]:
@@ -35,6 +38,61 @@ def solve(matrix: Array, right: Array) -> tuple[bool, Array]:
             x[i] -= low[k, i] * x[k]
         x[i] /= low[i, i]
     return True, x
+
+
+@fast_jit
+def least_axis(matrix: Array) -> Array:
+    """Eigenvector (n,) of the least eigenvalue of a symmetric matrix (n, n), by Jacobi's turns."""
+    n = len(matrix)
+    left, axes = matrix.copy(), np.eye(n)
+    for _ in range(_SWEEPS):
+        beside = among = 0.0
+        for p in range(n):
+            among += left[p, p] * left[p, p]
+            for q in range(p):
+                beside += left[p, q] * left[p, q]
+        if not beside > 1e-32 * among:
+            break
+        for p in range(n):
+            for q in range(p + 1, n):
+                if left[p, q] != 0:
+                    _turn(left, axes, p, q)
+    least = 0
+    for p in range(1, n):
+        least = p if left[p, p] < left[least, least] else least
+    return axes[:, least].copy()
+
+
+@fast_jit
+def _turn(left: Array, axes: Array, p: int, q: int) -> None:
+    """Turn two axes so that the matrix has nothing left between them."""
+    ratio = (left[q, q] - left[p, p]) / (2 * left[p, q])
+    tangent = math.copysign(1 / (abs(ratio) + math.sqrt(ratio * ratio + 1)), ratio)
+    c = 1 / math.sqrt(tangent * tangent + 1)
+    s = tangent * c
+    for k in range(len(left)):
+        a, b = left[k, p], left[k, q]
+        left[k, p], left[k, q] = c * a - s * b, s * a + c * b
+    for k in range(len(left)):
+        a, b = left[p, k], left[q, k]
+        left[p, k], left[q, k] = c * a - s * b, s * a + c * b
+        a, b = axes[k, p], axes[k, q]
+        axes[k, p], axes[k, q] = c * a - s * b, s * a + c * b
+
+
+@fast_jit
+def rotation_vector(rotation: Array) -> Array:
+    """The rotation vector (3,) of a rotation (3, 3) by less than half a turn."""
+    vector = np.array(
+        [
+            (rotation[2, 1] - rotation[1, 2]) / 2,
+            (rotation[0, 2] - rotation[2, 0]) / 2,
+            (rotation[1, 0] - rotation[0, 1]) / 2,
+        ]
+    )
+    sine = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+    cosine = (rotation[0, 0] + rotation[1, 1] + rotation[2, 2] - 1) / 2
+    return vector * (math.atan2(sine, cosine) / sine if sine > 0 else 1.0)
 
 
 @fast_jit

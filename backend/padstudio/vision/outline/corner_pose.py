@@ -6,7 +6,7 @@ import numpy as np
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
-from padstudio.geometry.planar_pnp import least_squares
+from padstudio.geometry.planar_pnp import least_squares, spread_of
 from padstudio.geometry.pose import Pose
 from padstudio.vision.stage.detection import Uncertainty
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -57,15 +57,9 @@ def _spread(
     start: Pose, camera: Camera, points_mm: Array, xy: Array, moves: Array
 ) -> tuple[Array, float]:
     """A pose's covariance from moves (M, 2 N) of its corners; the squares left unexplained."""
-    at_rest = _off(start, points_mm, camera.normalize(xy))
     there = xy + np.concatenate([moves, -moves]).reshape(-1, *xy.shape)
-    covariance, unexplained = np.zeros((6, 6)), 0.0
-    for rays in camera.normalize(there.reshape(-1, 2)).reshape(there.shape):
-        moved = least_squares(points_mm, rays, start)[1]
-        step = start.step_to(moved)
-        covariance += np.outer(step, step) / 2
-        unexplained += float(((_off(moved, points_mm, rays) - at_rest) ** 2).sum()) / 2
-    return covariance, unexplained
+    moved = camera.normalize(there.reshape(-1, 2)).reshape(there.shape)
+    return spread_of(points_mm, camera.normalize(xy), moved, start)
 
 
 def _off(pose: Pose, points_mm: Array, rays: Array) -> Array:

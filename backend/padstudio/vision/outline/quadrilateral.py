@@ -17,7 +17,7 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.planar_pnp import planar_pose
 from padstudio.geometry.pose import Pose
-from padstudio.geometry.rolling_shutter import MovingPose
+from padstudio.geometry.rolling_shutter import MovingPose, cross
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.cells.layer_read import LayerRead, read_layer
@@ -164,17 +164,7 @@ def outline_pose(
     log10_false_alarm : float
         The bound that the cells' evidence must keep.
     """
-    best: tuple[LayerRead, Pose, Array] | None = None
-    for quarter_turns in range(4):
-        points_mm = np.roll(outline_mm(pad), quarter_turns, axis=0)
-        planar = planar_pose(points_mm, outline.corners_rays)
-        if planar is None:
-            continue
-        pose = planar.pose
-        for layer in pad.layers:
-            read = read_layer(pyramid, camera, pad, layer, MovingPose(pose), 4 * len(pad.layers))
-            if read is not None and (best is None or _rank(read) < _rank(best[0])):
-                best = (read, pose, points_mm)
+    best = _best_turn(outline, pyramid, camera, pad, log10_false_alarm)
     if best is None:
         return _failure("no pose has four such corners")
     read, pose, points_mm = best
@@ -185,6 +175,25 @@ def outline_pose(
     scatter = outline.sigma_px**2 * np.eye(8)
     covariance = corner_covariance(pose, camera, points_mm, outline.corners_xy, scatter)
     return OutlinePose(pose, outline, read, camera, points_mm, rms, covariance)
+
+
+def _best_turn(
+    outline: Outline, pyramid: Pyramid, camera: Camera, pad: Pad, log10_false_alarm: float
+) -> tuple[LayerRead, Pose, Array] | None:
+    """The quarter turn that cells bear out best, with its pose and the pad's corners (4, 3)."""
+    turned = [np.roll(outline_mm(pad), quarter_turns, axis=0) for quarter_turns in range(4)]
+    posed = [(planar_pose(corners, outline.corners_rays), corners) for corners in turned]
+    turns = [(planar.pose, corners) for planar, corners in posed if planar is not None]
+    best: tuple[LayerRead, Pose, Array] | None = None
+    # Where few cells tell the turn, the many of a finer layer need not be read in the others.
+    for layer in sorted(pad.layers, key=lambda item: item.field.size):
+        for pose, corners in turns:
+            read = read_layer(pyramid, camera, pad, layer, MovingPose(pose), 4 * len(pad.layers))
+            if read is not None and (best is None or _rank(read) < _rank(best[0])):
+                best = (read, pose, corners)
+        if best is not None and best[0].evidence.suffices(log10_false_alarm):
+            turns = [best[1:]]
+    return best
 
 
 def another_sign(read: LayerRead) -> StageFailure:
@@ -223,7 +232,7 @@ def _rough_corners(region: Region) -> Array | None:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    point = np.cross(a, b)
+    point = cross(a, b)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(point[:2] / point[2], float)
 

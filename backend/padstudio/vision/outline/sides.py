@@ -13,6 +13,7 @@ from padstudio.arrays import Array
 from padstudio.color import linear_from_srgb
 from padstudio.geometry.camera import Camera
 from padstudio.vision.frame.pyramid import Pyramid
+from padstudio.vision.outline import sides_kernel
 
 # Positions along a profile across a side, in units of its reach.
 _STEPS = np.linspace(-1.0, 1.0, 25)
@@ -108,7 +109,7 @@ def fit_side(view: SideView, ends: Array, reach_px: float) -> Side | None:
     values = _clearest(_sample(view.pyramid, view.level, at), view)
     if values is None:
         return None
-    shift, good = _half_way(values)
+    shift, good = sides_kernel.half_way(values)
     if good.sum() < _LEAST_POINTS:
         return None
     points = feet[good] + (shift[good] * reach_px)[:, None] * outward[good]
@@ -120,10 +121,11 @@ def _feet(camera: Camera, ends: Array, count: int) -> tuple[Array, Array]:
     first, last = camera.normalize(ends)
     share = np.linspace(_TRIM, 1 - _TRIM, count)[:, None]
     feet = camera.denormalize(first + share * (last - first))
-    along = np.gradient(feet, axis=0)
+    around = np.concatenate([feet[:1], feet, feet[-1:]])
+    along = around[2:] - around[:-2]
     # To the left of the way, hence out of the pad.
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    return feet, outward / np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-9)
+    return feet, outward / np.maximum(np.hypot(along[:, :1], along[:, 1:]), 1e-9)
 
 
 def _sample(pyramid: Pyramid, level: int, at: Array) -> Array:
@@ -139,10 +141,12 @@ def _sample(pyramid: Pyramid, level: int, at: Array) -> Array:
 
 def _clearest(colors: Array, view: SideView) -> Array | None:
     """Profiles (N, S) of the measure with the clearest step outward, rising."""
-    bright = np.asarray(colors[..., view.unused].mean(axis=2), float)
-    light = np.asarray(colors.mean(axis=2) + _DARK / 3, float)
+    # Means along so short an axis take NumPy ten times as long.
+    channels = [colors[..., k] for k in range(colors.shape[2])]
+    bright = np.asarray(sum(channels[k] for k in view.unused) / len(view.unused), float)
+    light = np.asarray(sum(channels) / len(channels) + _DARK / 3, float)
     share = bright / light
-    by_light, by_share = _contrast(bright), _contrast(share)
+    by_light, by_share = sides_kernel.contrast(bright), sides_kernel.contrast(share)
     if max(by_light, by_share) <= _LEAST_CONTRAST:
         return None
     if not view.is_last:
@@ -151,63 +155,23 @@ def _clearest(colors: Array, view: SideView) -> Array | None:
     return bright if by_light >= min(by_share, _AMPLE_CONTRAST) else _by_area(share, light)
 
 
-def _contrast(values: Array) -> float:
-    """The step of profiles (N, S) in units of what scatters on either side of it."""
-    inside, outside = _ends(values)
-    spread = np.sqrt((inside.var() + outside.var()) / 2) + 1e-6
-    return float((outside.mean() - inside.mean()) / spread)
-
-
 def _by_area(share: Array, light: Array) -> Array:
     """Shares that samples would have if their parts' shares weighed by area.
 
     A mixture's share is the mean of its parts' shares weighted by their light: where the ground is
     darker than the pad, a sample that is half of either has less than half way's.
     """
-    (pad, ground), (pad_light, ground_light) = _ends(share), _ends(light)
+    pad, ground = (end[:, None] for end in sides_kernel.ends(share))
+    pad_light, ground_light = (end[:, None] for end in sides_kernel.ends(light))
     out, into = pad_light * (share - pad), ground_light * (ground - share)
     rise, total = ground - pad, out + into
     is_between = rise * total > 0
     return pad + rise * np.where(is_between, out / np.where(is_between, total, 1.0), 0.0)
 
 
-def _ends(values: Array) -> tuple[Array, Array]:
-    """Means (N, 1) of the inner and of the outer quarter of profiles (N, S)."""
-    quarter = len(_STEPS) // 4
-    inside, outside = values[:, :quarter], values[:, -quarter:]
-    return inside.mean(axis=1, keepdims=True), outside.mean(axis=1, keepdims=True)
-
-
-def _half_way(values: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Where profiles pass half way from inside to outside, −1 … 1, and whether they do so well.
-
-    The area under the rising part tells the place better than a crossing does: it uses every
-    sample, and noise averages out.
-    """
-    low, high = _ends(values)
-    rise = high - low
-    typical = float(np.median(rise))
-    good = (rise[:, 0] > 0.4 * typical) & (rise[:, 0] < 2.5 * typical)
-    # Clipping at 0 and 1 would count noise on one side only, and shift the step by it.
-    part = np.clip((values - low) / np.where(rise > 0, rise, 1.0), -1.0, 2.0)
-    step = _STEPS[1] - _STEPS[0]
-    filled = (part[:, 1:] + part[:, :-1]).sum(axis=1) * step / 2
-    return 1.0 - filled, good & (typical > 0)
-
-
 def _robust_line(points: Array, camera: Camera, outward: Array) -> Side | None:
     """A line through most of the points, fitted on the plane z = 1."""
-    rays = camera.normalize(points)
-    weight = np.ones(len(points))
-    line, sigma = np.zeros(3), np.inf
-    for _ in range(8):
-        middle = np.average(rays, axis=0, weights=weight)
-        off_middle = rays - middle
-        normal = np.linalg.eigh((off_middle * weight[:, None]).T @ off_middle)[1][:, 0]
-        line = np.array([*normal, -float(normal @ middle)])
-        off = (rays @ line[:2] + line[2]) * camera.focal_px
-        sigma = max(float(np.median(np.abs(off))) / 0.6745, 0.02)
-        weight = 1 / (1 + (off / (2 * sigma)) ** 2) ** 2
+    line, off, sigma = sides_kernel.robust_line(camera.normalize(points), camera.focal_px)
     inliers = np.abs(off) < 3 * sigma
     if inliers.sum() < max(_LEAST_POINTS, 0.4 * len(points)):
         return None
