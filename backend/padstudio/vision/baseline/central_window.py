@@ -8,9 +8,13 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Array
+from padstudio.geometry.rolling_shutter import cross
 from padstudio.vision.baseline.line_grid import Family, LineGrid
 from padstudio.vision.frame.pyramid import Plane
 from padstudio.vision.stage.trace import Reason, StageFailure
+
+# Windows that are looked at together, the nearest first: one by one takes longer.
+_AT_ONCE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +120,14 @@ def _in_view(grid: LineGrid, size: int, column: int, row: int) -> tuple[int, int
     centres = np.array([(c, r) for c in (0.5, size - 0.5) for r in (0.5, size - 0.5)])
     camera = grid.found.edges.camera
     limit = np.array([camera.width, camera.height]) - 1
-    for number in order:
-        at = _plane_pixels(grid, first + starts[number] + centres)
+    for begin in range(0, len(order), _AT_ONCE):
+        some = starts[order[begin : begin + _AT_ONCE]]
+        at = _plane_pixels(grid, (first + some[:, None] + centres).reshape(-1, 2))
         pixels = grid.found.edges.plane.to_frame(grid.found.edges.bend(at))
-        if ((pixels >= 0) & (pixels <= limit)).all():
-            return int(starts[number, 0]), int(starts[number, 1])
+        inside = ((pixels >= 0) & (pixels <= limit)).reshape(len(some), -1).all(axis=1)
+        if inside.any():
+            nearest = some[int(np.argmax(inside))]
+            return int(nearest[0]), int(nearest[1])
     return column, row
 
 
@@ -143,5 +150,5 @@ def _middle(family: Family) -> Array:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    point = np.cross(a, b)
+    point = cross(a, b)
     return np.asarray(point[:2] / point[2], float)

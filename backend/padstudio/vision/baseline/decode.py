@@ -27,7 +27,7 @@ from padstudio.pad.spec import CHANNELS, Layer, Pad
 from padstudio.vision.baseline.central_window import CentralWindow
 from padstudio.vision.cells.correlation import crop
 from padstudio.vision.cells.evidence import Evidence, judge
-from padstudio.vision.cells.sampling import CellGrid, read_cells
+from padstudio.vision.cells.sampling import CellGrid, read_again, read_cells
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.stage.params import PaperParams
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -113,7 +113,7 @@ class WindowDecoder:
         if cells is None or not _window(cells.seen, at, window.size).all():
             detail = "the central window reaches beyond the frame"
             return StageFailure("decode", Reason.TOO_FEW_CELLS, detail)
-        leak = _leak(pyramid, cells, window)
+        leak = _leak(pyramid, cells)
         if leak is not None:
             return leak
         place = self._look_up(_window(cells.levels(self.pad.levels), at, window.size))
@@ -209,23 +209,17 @@ def _other_windows(levels: Levels, expected: Levels, size: int) -> tuple[int, in
     return int(complete.sum()) - 1, int(right.sum()) - 1
 
 
-def _leak(pyramid: Pyramid, cells: CellGrid, window: CentralWindow) -> StageFailure | None:
+def _leak(pyramid: Pyramid, cells: CellGrid) -> StageFailure | None:
     """Whether a channel shows another layer's ink rather than its own cells.
 
     A layer's code may stand in another layer as well, magnified: read through the wrong channel
     it would give a pose at a false height.
     """
-    rows, cols = window.grid.rows, window.grid.columns
     own = cells.values[cells.seen]
     for channel in CHANNELS:
         if channel == cells.channel:
             continue
-        other = read_cells(
-            pyramid, channel, window.to_pixels, (cols.first, cols.last), (rows.first, rows.last)
-        )
-        if other is None:
-            continue
-        theirs = other.values[cells.seen]
+        theirs = read_again(pyramid, channel, cells)[cells.seen]
         likeness = float(np.corrcoef(own, theirs)[0, 1]) if own.std() and theirs.std() else 0.0
         if abs(likeness) > _SAME and own.std() < _FAINT * theirs.std():
             return StageFailure(

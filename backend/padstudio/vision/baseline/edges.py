@@ -95,33 +95,30 @@ def find_edge_map(
     """
     picture = binary.mask if levels == 2 else _gray(binary.plane)
     thin = np.asarray(cv2.Canny(picture, params.canny_low, params.canny_high), np.uint8)
-    xy = pixels(thin)
-    off = ~region.holds(binary.plane.to_frame(xy.astype(float)))
-    thin[xy[off, 1], xy[off, 0]] = 0
-    count = len(xy) - int(off.sum())
-    if count < _LEAST_EDGES:
+    xy = _held(thin, binary.plane, region)
+    if len(xy) < _LEAST_EDGES:
         return StageFailure(
             "edges",
             Reason.NO_EDGES,
-            f"only {count} edge pixels in {binary.plane.channel}, {_LEAST_EDGES} are needed",
+            f"only {len(xy)} edge pixels in {binary.plane.channel}, {_LEAST_EDGES} are needed",
         )
     mask = np.asarray(cv2.dilate(thin, np.ones((3, 3), np.uint8)), np.uint8)
     gx, gy = _gradient(binary.plane)
     # Thresholds and cleaning round the cells' corners and shift their sides; the grey plane knows
     # better. Along the gradient's main axis the steepest of five pixels is taken, and the parabola
     # through it and its neighbours.
-    points = edges_kernel.steepest(xy[~off], gx, gy, steepness(gx, gy), _SEARCH)
-    near = pixels(mask)
+    points = edges_kernel.steepest(xy, gx, gy, steepness(gx, gy), _SEARCH)
+    near = edges_kernel.pixels(mask)
     normals = edges_kernel.directions(near, gx, gy, BINS)
     return EdgeMap(thin, mask, points, near, normals, binary.plane, camera)
 
 
-def pixels(mask: Image) -> NDArray[np.int32]:
-    """The pixels (N, 2) that are not 0, x and y, row by row."""
-    found = cv2.findNonZero(mask)
-    return (
-        np.zeros((0, 2), np.int32) if found is None else np.asarray(found, np.int32).reshape(-1, 2)
-    )
+def _held(thin: Image, plane: Plane, region: Region) -> NDArray[np.int32]:
+    """The pixels (N, 2) of a plane's edges that a region holds; the others are taken off."""
+    if region.mask is not None:
+        scale = plane.pixel / (1 << region.level)
+        edges_kernel.take_off(thin, region.mask, (plane.x0, plane.y0), scale)
+    return edges_kernel.pixels(thin)
 
 
 def _ideal(camera: Camera) -> Camera:

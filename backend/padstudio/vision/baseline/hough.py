@@ -96,10 +96,7 @@ def _best_first(support: Array) -> NDArray[np.intp]:
 
 def homogeneous(ends: Array) -> Array:
     """Lines (N, 3) through pairs of points (N, 2, 2), with unit normals."""
-    along = ends[:, 1] - ends[:, 0]
-    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    return np.column_stack([normal, -(normal * ends[:, 0]).sum(axis=1)])
+    return lines_kernel.lines_through(ends)
 
 
 def _hough(edges: EdgeMap, params: PaperParams) -> Array:
@@ -108,8 +105,8 @@ def _hough(edges: EdgeMap, params: PaperParams) -> Array:
     side = max(edges.mask.shape)
     segments = hough_kernel.find_segments(
         edges.mask.shape,
-        edges.xy[order],
-        edges.normals[order],
+        np.take(edges.xy, order, axis=0),
+        np.take(edges.normals, order),
         params.hough_votes,
         max(params.hough_length * side, _LEAST_LENGTH_PX),
         int(max(params.hough_gap * side, _LEAST_GAP_PX)),
@@ -118,4 +115,5 @@ def _hough(edges: EdgeMap, params: PaperParams) -> Array:
 
 
 def _lengths(ends: Array) -> Array:
-    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), float)
+    along = ends[:, 1] - ends[:, 0]
+    return np.hypot(along[:, 0], along[:, 1])

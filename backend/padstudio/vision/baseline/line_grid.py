@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.vision.baseline import lines_kernel
+from padstudio.geometry.rolling_shutter import cross
+from padstudio.vision.baseline import families_kernel, lines_kernel
 from padstudio.vision.baseline.hough import Lines, homogeneous
 from padstudio.vision.baseline.vanishing_points import aligned, two_vanishing_points
 from padstudio.vision.stage.trace import Reason, StageFailure
@@ -107,7 +108,7 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
     points = two_vanishing_points(ends, found.support)
     if points is None:
         return _too_few(found, "they do not fall into two families of directions")
-    horizon = np.cross(points[0], points[1])
+    horizon = cross(points[0], points[1])
     if not np.linalg.norm(horizon) > _LEAST_APART:
         return _too_few(found, "their two families of directions are one")
     lines = homogeneous(ends)
@@ -130,11 +131,10 @@ def find_line_grid(found: Lines) -> LineGrid | StageFailure:
 
 def _places(lines: Array, point: Array, horizon: Array) -> Array:
     """Where lines of a family stand: even steps for a regular grid, whatever the perspective."""
-    # Of the lines through the point the one farthest from the horizon.
-    foot = np.cross(point, horizon)
-    basis = np.stack([foot / np.linalg.norm(foot), horizon / np.linalg.norm(horizon)], axis=1)
-    weights = np.linalg.lstsq(basis, lines.T, rcond=None)[0]
-    return np.asarray(weights[1] / np.where(weights[0] == 0, 1e-12, weights[0]), float)
+    # Of the lines through the point the one farthest from the horizon, at right angles to it.
+    foot = cross(point, horizon)
+    along, across = lines @ (foot / np.linalg.norm(foot)), lines @ horizon
+    return np.asarray(across / np.linalg.norm(horizon) / np.where(along == 0, 1e-12, along), float)
 
 
 def _number(place: Array, support: Array) -> Array:
@@ -146,18 +146,14 @@ def _number(place: Array, support: Array) -> Array:
     steps = np.unique(np.concatenate([gaps / k for k in (1, 2, 3)])) if len(gaps) else gaps
     if not len(steps):
         return np.full(len(place), np.nan)
-    # (steps, anchors, lines)
-    offset = (place[None, None] - place[top[:8]][None, :, None]) / steps[:, None, None]
-    fits = np.abs(offset - np.round(offset)) < _NEAR
-    # Chance explains this much of anything.
-    scores = (fits @ support) / support.sum()
-    by_step = scores.max(axis=1)
-    good = np.flatnonzero(by_step >= _AS_GOOD * by_step.max())
+    anchors = place[top[:8]]
+    scores, best = families_kernel.weigh_steps(place, support, steps, anchors, _NEAR)
+    good = np.flatnonzero(scores >= _AS_GOOD * scores.max())
     step = int(good[-1])
     # The widest step has neighbours that fit almost as well: the best of them is taken.
     close = np.flatnonzero(np.abs(steps / steps[step] - 1) < 0.15)
-    step = int(close[np.argmax(by_step[close])])
-    chosen = offset[step, int(np.argmax(scores[step]))]
+    step = int(close[np.argmax(scores[close])])
+    chosen = (place - anchors[best[step]]) / steps[step]
     number = np.round(chosen)
     return np.where(np.abs(chosen - number) < 2 * _NEAR, number, np.nan)
 
@@ -167,14 +163,9 @@ def _fit_lattice(ends: Array, numbers: Array, support: Array) -> Array | None:
 
     ``numbers`` loses the misfits.
     """
-    fit = np.zeros((3, 3))
-    for _ in range(_ROUNDS):
-        if (np.isfinite(numbers).sum(axis=1) < _LEAST_LINES).any():
-            return None
-        normal = lines_kernel.lattice_equations(ends, numbers, support, fit)
-        fit = np.ascontiguousarray(np.linalg.eigh(normal)[1][:, 0].reshape(3, 3), float)
-        lines_kernel.drop_misfits(numbers, ends, fit, 1.5 * _NEAR)
-    return fit if all(_dense_enough(family) for family in numbers) else None
+    limits = 1.5 * _NEAR, _LEAST_LINES, _ROUNDS
+    found, fit = families_kernel.fit_lattice(ends, numbers, support, *limits)
+    return fit if found and all(_dense_enough(family) for family in numbers) else None
 
 
 def _dense_enough(numbers: Array) -> bool:
@@ -231,14 +222,16 @@ def _oriented(fit: Array, middle: Array, numbers: Array) -> tuple[Array | None, 
 def _lines(fit: Array, axis: int, numbers: Array) -> Array:
     """Lines (K, 3) of a family by their numbers (K,), with unit normals."""
     lines = fit[axis] - numbers[:, None] * fit[2]
-    return np.asarray(lines / np.linalg.norm(lines[:, :2], axis=1, keepdims=True), float)
+    return np.asarray(lines / np.hypot(lines[:, :1], lines[:, 1:2]), float)
 
 
 def _family(fit: Array, axis: int, numbers: Array) -> Family:
     """All lines from a family's first to its last, where the fit has them."""
     known = np.unique(numbers[np.isfinite(numbers)])
     every = np.arange(known[0], known[-1] + 1)
-    return Family(int(known[0]), _lines(fit, axis, every), ~np.isin(every, known))
+    inserted = np.ones(len(every), bool)
+    inserted[(known - known[0]).astype(np.intp)] = False
+    return Family(int(known[0]), _lines(fit, axis, every), inserted)
 
 
 def _too_few(found: Lines, why: str) -> StageFailure:

@@ -61,6 +61,15 @@ def _of_piece(pieces: Array, k: int) -> tuple[float, float, float]:
 
 
 @jit
+def lines_through(pieces: Array) -> Array:
+    """Lines (N, 3) through the ends of pieces (N, 2, 2): unit normals and offsets."""
+    lines = np.empty((len(pieces), 3))
+    for k in range(len(pieces)):
+        lines[k, 0], lines[k, 1], lines[k, 2] = _of_piece(pieces, k)
+    return lines
+
+
+@jit
 def _fitted(mx: float, my: float, xx: float, xy: float, yy: float) -> tuple[float, float, float]:
     """The line of total least squares, by sums about its points' mean."""
     angle = 0.5 * math.atan2(2 * xy, xx - yy)
@@ -208,43 +217,3 @@ def pointed_at(points: Array, ends: Array, weight: Array, aligned_rad: float) ->
             if abs(ax * ty - ay * tx) < steepest * abs(ax * tx + ay * ty):
                 out[p] += weight[k]
     return out
-
-
-@jit
-def lattice_equations(ends: Array, numbers: Array, support: Array, fit: Array) -> Array:
-    """Normal equations (9, 9) of the map (3, 3) under which ends lie on their numbered lines.
-
-    Errors are distances under the map ``fit``; where it is 0, algebraic ones. Lines numbered NaN do
-    not count.
-    """
-    normal, row = np.zeros((9, 9)), np.zeros(9)
-    for axis in range(2):
-        for k in range(len(ends)):
-            number = numbers[axis, k]
-            if math.isnan(number):
-                continue
-            nx, ny = fit[axis, 0] - number * fit[2, 0], fit[axis, 1] - number * fit[2, 1]
-            steep = nx * nx + ny * ny
-            weight = support[k] / (steep if steep > 0 else 1.0)
-            for end in range(2):
-                row[:] = 0.0
-                for i in range(3):
-                    value = ends[k, end, i] if i < 2 else 1.0
-                    row[3 * axis + i], row[6 + i] = value, -number * value
-                for i in range(9):
-                    for j in range(9):
-                        normal[i, j] += weight * row[i] * row[j]
-    return normal
-
-
-@jit
-def drop_misfits(numbers: Array, ends: Array, fit: Array, near: float) -> None:
-    """Number those lines NaN with an end that the map puts off their line."""
-    for k in range(len(ends)):
-        for end in range(2):
-            x, y = ends[k, end, 0], ends[k, end, 1]
-            w = fit[2, 0] * x + fit[2, 1] * y + fit[2, 2]
-            for axis in range(2):
-                at = fit[axis, 0] * x + fit[axis, 1] * y + fit[axis, 2]
-                if not abs(at - numbers[axis, k] * w) < near * abs(w):
-                    numbers[axis, k] = np.nan

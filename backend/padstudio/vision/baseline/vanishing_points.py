@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.vision.baseline import lines_kernel
+from padstudio.vision.baseline import families_kernel, lines_kernel
 from padstudio.vision.baseline.hough import homogeneous
 
 Flags = NDArray[np.bool_]
@@ -57,19 +57,13 @@ def _vanishing_point(ends: Array, support: Array, allowed: Flags) -> Array | Non
         return None
     weight = support[which]
     scores = lines_kernel.pointed_at(points, ends[which], weight, _ALIGNED)
-    point = points[int(np.argmax(scores))]
-    for _ in range(3):
-        near = aligned(point, ends[which])
-        weighted = lines[near] * weight[near, None]
-        point = np.linalg.eigh(weighted.T @ weighted)[1][:, 0]
-    return np.asarray(point, float)
+    best = points[int(np.argmax(scores))]
+    return families_kernel.settled(best, lines, ends[which], weight, _ALIGNED)
 
 
 def aligned(point: Array, ends: Array) -> Flags:
     """Which lines point at a vanishing point."""
-    middle = ends.mean(axis=1)
-    toward = point[:2] - point[2] * middle
-    return np.asarray(_angle(ends[:, 1] - ends[:, 0], toward) < _ALIGNED)
+    return families_kernel.aligned(point, ends, _ALIGNED)
 
 
 def _angle(a: Array, b: Array) -> Array:

@@ -112,15 +112,25 @@ def read_cells(
     xy, seen, width = cells_kernel.locate(nodes, every, shape, (pyramid.width, pyramid.height))
     if not seen.any():
         return None
-    # A cell as wide as the frame is read at a scale that still has pixels to look between.
-    widest = min(width, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
-    level = math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
-    values = cells_kernel.sample(pyramid.window(channel, level), xy, seen)
+    values = cells_kernel.sample(pyramid.window(channel, _level(pyramid, width)), xy, seen)
     seen = with_contrast(values, seen)
     if not seen.any():
         return None
     relative = cells_kernel.relative(values, seen, BLOCK)
     return CellGrid(channel, columns[0], rows[0], values, seen, relative, xy, width)
+
+
+def read_again(pyramid: Pyramid, channel: Channel, cells: CellGrid) -> NDArray[np.float32]:
+    """What another channel has where cells were read: grey values (R, C), 0 where not seen."""
+    window = pyramid.window(channel, _level(pyramid, cells.cell_px))
+    return cells_kernel.sample(window, cells.xy, cells.seen)
+
+
+def _level(pyramid: Pyramid, width_px: float) -> int:
+    """The level at which cells so wide are read."""
+    # A cell as wide as the frame is read at a scale that still has pixels to look between.
+    widest = min(width_px, min(pyramid.width, pyramid.height) * _READING_WIDTH / _LEAST_SIDE)
+    return math.floor(math.log2(max(widest / _READING_WIDTH, 1.0)))
 
 
 def with_contrast(values: NDArray[np.float32], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from padstudio.arrays import Image
+from padstudio.vision.frame import pixels_kernel
 from padstudio.vision.frame.pyramid import Plane
 
 
@@ -45,9 +46,10 @@ def block_mean(plane: Plane, blocks: int) -> Binary:
     """
     values = plane.values
     side = max(3, round(max(values.shape) / blocks)) | 1
-    local = cv2.blur(values, (side, side), borderType=cv2.BORDER_REFLECT)
-    mask = (values > local) & (values > values.mean())
-    return Binary(mask.astype(np.uint8) * 255, plane, float(mask.mean()))
+    blurred = cv2.blur(values, (side, side), borderType=cv2.BORDER_REFLECT)
+    local = np.asarray(blurred, np.float32)
+    mask = pixels_kernel.above(values, local, values.mean())
+    return Binary(mask, plane, _share(mask))
 
 
 def clean(binary: Binary, size: int) -> Binary:
@@ -62,4 +64,9 @@ def clean(binary: Binary, size: int) -> Binary:
     kernel = np.ones((size, size), np.uint8)
     opened = cv2.morphologyEx(binary.mask, cv2.MORPH_OPEN, kernel)
     closed = np.asarray(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel), np.uint8)
-    return Binary(closed, binary.plane, float((closed > 0).mean()))
+    return Binary(closed, binary.plane, _share(closed))
+
+
+def _share(mask: Image) -> float:
+    """Share of white."""
+    return cv2.countNonZero(mask) / mask.size

@@ -63,12 +63,11 @@ def share_of(image: Image, unused: list[int]) -> Map:
     unused : list of int
         Those channels, in the picture's order.
     """
-    blurred = cv2.blur(image.astype(np.float32), (3, 3))
-    weights = np.zeros((2, 3))
-    weights[0, unused], weights[1] = 1 / len(unused), 1
-    part, total = cv2.split(cv2.transform(blurred, weights))
+    blue, green, red = (cv2.extractChannel(image, k).astype(np.float32) for k in range(3))
+    weak = np.sum([(blue, green, red)[k] for k in unused], axis=0)
+    part, total = (cv2.blur(item, (3, 3)) for item in (weak, blue + green + red))
     # What is black is of no colour.
-    return np.asarray((part + _DARK / 3) / (total + _DARK), np.float32)
+    return np.asarray((part / len(unused) + _DARK / 3) / (total + _DARK), np.float32)
 
 
 def likeness_of(image: Image, a: int, b: int) -> Map:
@@ -82,8 +81,13 @@ def likeness_of(image: Image, a: int, b: int) -> Map:
 
 def halfway(share: Map) -> Mask | None:
     """Where the share is nearer to its least than to the ground's; None where all is of a kind."""
-    low = float(np.partition(share, LEAST_AREA, axis=None)[LEAST_AREA])
-    high = float(np.percentile(share, _GROUND))
+    ground = _GROUND / 100 * (share.size - 1)
+    below = int(ground)
+    above = min(below + 1, share.size - 1)
+    # Once through for all of them.
+    ordered = np.partition(share, (LEAST_AREA, below, above), axis=None)
+    low = float(ordered[LEAST_AREA])
+    high = float(ordered[below]) + (ground - below) * float(ordered[above] - ordered[below])
     if high - low < 2 * _LEAST_SEPARATION:
         return None
     return np.asarray(share < (low + high) / 2, np.uint8)

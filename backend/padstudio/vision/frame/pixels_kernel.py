@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import fast_jit
+from padstudio.compiled import fast_jit, jit
 from padstudio.vision.frame.pyramid import Window
 
 
@@ -75,4 +75,16 @@ def halved(plane: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
             top = np.uint16(plane[2 * r, 2 * c]) + np.uint16(plane[2 * r, 2 * c + 1])
             low = np.uint16(plane[2 * r + 1, 2 * c]) + np.uint16(plane[2 * r + 1, 2 * c + 1])
             out[r, c] = (top + low + 2) >> 2
+    return out
+
+
+@jit
+def above(
+    values: NDArray[np.float32], local: NDArray[np.float32], level: np.float32
+) -> NDArray[np.uint8]:
+    """255 where values (h, w) exceed both those of another plane and a level, else 0."""
+    out = np.empty(values.shape, np.uint8)
+    for r in range(values.shape[0]):
+        for c in range(values.shape[1]):
+            out[r, c] = 255 * ((values[r, c] > local[r, c]) & (values[r, c] > level))
     return out
