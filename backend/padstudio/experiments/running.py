@@ -39,8 +39,8 @@ def run_parts(
             results.append(run(part))
             progress(done, len(parts))
         return results
-    # A process for every core has one thread for linear algebra; NumPy reads this as it is imported,
-    # which is before anything runs in a new process.
+    # A process for every core has one thread for linear algebra. NumPy reads this as it is
+    # imported, which is before anything runs in a new process.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_alone) as pool:

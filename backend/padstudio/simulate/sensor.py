@@ -225,7 +225,7 @@ def _lens(light: Light, imaging: Imaging) -> Light:
 
 
 def _shaded(light: Light, imaging: Imaging) -> Light:
-    """Glare, exposure and the lens's darker corners, on (H, W) or (H, W, 3), which it overwrites."""
+    """Glare, exposure and darker corners, on (H, W) or (H, W, 3), which is overwritten."""
     height, width = light.shape[:2]
     y = (np.arange(height, dtype=np.float32) - (height - 1) / 2)[:, None]
     x = (np.arange(width, dtype=np.float32) - (width - 1) / 2)[None, :]
