@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.geometry.planar_pnp import mirrored
 from padstudio.geometry.rolling_shutter import MovingPose, picture_change
-from padstudio.vision.pose.covariance import TILES, pattern_noise
+from padstudio.vision.pose.noise_kernel import TILES, pattern_noise
 from padstudio.vision.pose.edge_points import Sway
 from padstudio.vision.pose.least_squares import MotionModel, MotionPrior, bounds_of
 from padstudio.vision.pose.pattern import alignment_kernel
@@ -16,8 +16,8 @@ from padstudio.vision.pose.pattern.alignment_kernel import Pixels
 from padstudio.vision.pose.pattern.solver import Equations, PatternSolver, scales_of
 from padstudio.vision.pose.pattern.template import OVERSAMPLING, on_pad
 from padstudio.vision.pose.pose_posterior import Explained, RowsSeen, explain_pattern
-from padstudio.vision.pose.row_motion import intervals_over
-from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
+from padstudio.vision.pose.drift_kernel import Rows
+from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums, intervals_over
 
 # The other pose of a plane is looked for in so many steps, a step that is shorter than so many
 # standard deviations, squared, being the last.
@@ -55,7 +55,7 @@ class PatternPosterior:
 
         def rows_seen(about: MovingPose, sway: Sway | None) -> RowsSeen:
             seen = parts if sway is None else self._shaken_equations(about, sway)
-            return RowsSeen(*self._row_sums(about, seen, sway), blur)
+            return RowsSeen(Rows(*self._row_sums(about, seen, sway)), blur)
 
         settled, covariance, shaking = explain_pattern(pose, rows_seen, self._focal_px, bounds)
         covariance = covariance + self._shape_doubt(pose)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.vision.pose.covariance import least_share
+from padstudio.vision.pose.noise_kernel import least_share
 from padstudio.vision.pose.least_squares import MotionPrior
 from padstudio.vision.pose.pattern import alignment_kernel
 from padstudio.vision.pose.pattern.alignment_kernel import Brightness, Pixels, Texture

@@ -15,7 +15,7 @@ from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Box, Pyramid
-from padstudio.vision.pose.covariance import tiles_of
+from padstudio.vision.pose.noise_kernel import tiles_of
 from padstudio.vision.pose.pattern.alignment_kernel import Pixels, Texture, blurred_cells
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
