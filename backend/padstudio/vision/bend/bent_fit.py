@@ -19,9 +19,9 @@ from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.vision.bend.sheet import Sheet
 from padstudio.vision.bend.smooth_field import Cosines, find_evidence, solve
 from padstudio.vision.pose import least_squares_kernel
-from padstudio.vision.pose.noise_kernel import newton_share
 from padstudio.vision.pose.edge_points import EdgePoints
-from padstudio.vision.pose.least_squares_kernel import Sightings, Solution
+from padstudio.vision.pose.least_squares_kernel import Sightings
+from padstudio.vision.pose.noise_kernel import newton_share
 from padstudio.vision.pose.pose_posterior import explain_edges
 from padstudio.vision.pose.row_motion import MotionBounds
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.frame.pixels_kernel import between
+from padstudio.vision.frame.pixels_kernel import value_at
 from padstudio.vision.frame.pyramid import Window
 
 # So many lines of cells tell how wide they are; a median needs no more.
@@ -56,22 +56,12 @@ def locate(
 @fast_jit
 def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Values (R, C) of a window between its pixels at frame pixels (R, C, 2), 0 where not seen."""
-    h, w = len(window.values), window.width
-    # Not the colours' own shape: their rows may hold more than the picture.
-    rows, cols = math.ceil(window.scale * h), math.ceil(window.scale * w)
-    out = np.zeros(seen.shape, np.float32)
+    out, scale = np.zeros(seen.shape, np.float32), 1 / window.pixel
     for r in range(seen.shape[0]):
         for c in range(seen.shape[1]):
             if seen[r, c]:
-                x = min(max((xy[r, c, 0] + 0.5) / window.pixel - 0.5, 0.0), w - 1.001)
-                y = min(max((xy[r, c, 1] + 0.5) / window.pixel - 0.5, 0.0), h - 1.001)
-                value = between(window.values, window.step, window.first, x, y)
-                value = window.gain * value + window.black
-                if window.weight:
-                    x = min(max(window.scale * x + window.shift, 0.0), cols - 1.001)
-                    y = min(max(window.scale * y + window.shift, 0.0), rows - 1.001)
-                    value += window.weight * between(window.colours, 1, 0, x, y)
-                out[r, c] = value
+                column, row = (xy[r, c, 0] + 0.5) * scale - 0.5, (xy[r, c, 1] + 0.5) * scale - 0.5
+                out[r, c] = value_at(window, column, row)
     return out
 
 
