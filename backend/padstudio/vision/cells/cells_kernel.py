@@ -124,13 +124,14 @@ def spread(nodes: Array, every: int, shape: tuple[int, int]) -> Array:
     for r in range(shape[0]):
         fr, i = (r % every) / every, r // every
         below = min(i + 1, len(nodes) - 1)
-        for c in range(shape[1]):
-            fc, k = (c % every) / every, c // every
+        for k in range(nodes.shape[1]):
             right = min(k + 1, nodes.shape[1] - 1)
-            for axis in range(2):
-                top = nodes[i, k, axis] * (1 - fc) + nodes[i, right, axis] * fc
-                low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
-                out[r, c, axis] = top * (1 - fr) + low * fr
+            for c in range(k * every, min((k + 1) * every, shape[1])):
+                fc = (c - k * every) / every
+                for axis in range(2):
+                    top = nodes[i, k, axis] * (1 - fc) + nodes[i, right, axis] * fc
+                    low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
+                    out[r, c, axis] = top * (1 - fr) + low * fr
     return out
 
 

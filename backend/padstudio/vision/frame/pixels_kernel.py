@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.compiled import fast_jit
+from padstudio.compiled import fast_inlined_jit, fast_jit
 from padstudio.vision.frame.pyramid import Window
 
 
-@fast_jit
+@fast_inlined_jit
 def between(values: NDArray[np.uint8], step: int, first: int, x: float, y: float) -> float:
     """Value between four pixels, of one channel as of `padstudio.vision.frame.pyramid.Window`.
 
@@ -28,7 +28,7 @@ def between(values: NDArray[np.uint8], step: int, first: int, x: float, y: float
     return float(top + fy * (b + fx * (values[below, right] - b) - top))
 
 
-@fast_jit
+@fast_inlined_jit
 def value_at(window: Window, column: float, row: float) -> float:
     """Grey value of a window between its pixels; beyond its rim the rim's."""
     h, w = len(window.values), window.width

@@ -1,4 +1,4 @@
-"""Compiled half of `padstudio.vision.pose.pose_posterior`: measured borders, and what they weigh."""
+"""Compiled half of `padstudio.vision.pose.pose_posterior`: borders and what they weigh."""
 
 from __future__ import annotations
 

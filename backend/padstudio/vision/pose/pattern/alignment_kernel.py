@@ -212,7 +212,7 @@ def linearize(
     c: int,
     rotation: Array,
 ) -> None:
-    """A block's rows and residuals in a channel; its scratch holds residuals as they are trusted."""
+    """A block's rows and residuals in a channel; its scratch holds those as they are trusted."""
     known, rows, first = brightness.terms[c], block.rows, part[0]
     size = len(rows) - len(known)
     slopes = 0.0

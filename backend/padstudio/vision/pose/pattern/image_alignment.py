@@ -30,9 +30,9 @@ from padstudio.vision.pose.pose_posterior import Explained
 # same stills of the score.
 _ROUGH_PIXELS = 2500
 # The last step of a start among others, or before all pixels are taken, whose pose is as far off;
-# and the last on all pixels, of whose steps the first alone takes its own normal matrix.
-_ROUGHLY, _NEAR = Limits(5, 5, 0.5), Limits(5, 5, 8.0)
-_ON_ALL = Limits(4, 1, 0.1)
+# and the last on all pixels, where the normal matrix is soon the same.
+_ROUGHLY, _NEAR = Limits(5, 0.5), Limits(5, 8.0)
+_ON_ALL = Limits(4, 0.1, 0.5)
 
 
 class Match:

@@ -23,7 +23,7 @@ from padstudio.vision.pose.pose_posterior import Explained, RowsSeen, explain_pa
 from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
 
 # The other pose of a plane is looked for in such steps, and then this one as far.
-_THERE, _HERE = Limits(5, 5, 0.5), Limits(2, 2, 0.5)
+_THERE, _HERE = Limits(5, 0.5), Limits(2, 0.5)
 # By so many pixels the pattern's shape is off at its rim.
 _SHAPE_PX = 0.02
 # A plane whose halves perspective draws so unlike has one pose alone.

@@ -46,16 +46,16 @@ class Limits(NamedTuple):
     ----------
     steps : int
         So many at the most.
-    fresh : int
-        So many of them take their own normal matrix, and the others the last of those: near the
-        answer it hardly changes, and where the right side is zero does not depend on it.
     settled : float
         A step that is shorter than so many standard deviations, squared, is the last.
+    alike : float
+        After one that is shorter than this the normal matrix is taken for the same: so near the
+        answer it hardly changes, and where the right side is zero does not depend on it.
     """
 
     steps: int
-    fresh: int
     settled: float
+    alike: float = 0.0
 
 
 class Settled(NamedTuple):
@@ -131,12 +131,12 @@ def settle(
     limits : Limits
     """
     size, (pose, brightness, stretch) = len(known.weight), start
-    last, sums = np.zeros(size), np.zeros((len(pixels.values), 4))
+    last, length, sums = np.zeros(size), np.inf, np.zeros((len(pixels.values), 4))
     channels, linear = brightness.terms.shape
     shape = (channels, linear, size)
     held = Eliminated(np.empty((channels, size, size)), np.empty(shape), np.empty(shape))
     for n in range(limits.steps):
-        tiles = 1 if n < limits.fresh else 0
+        tiles = 1 if length > limits.alike else 0
         found = match_pattern(pixels, texture, pose, brightness, size, tiles)
         held, sums = eliminated(found.normal, size) if tiles else held, found.sums
         normal, pull = posed(held, found.right[:, 0], sums, known, pose)
