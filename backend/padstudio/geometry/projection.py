@@ -106,7 +106,7 @@ def undistorted(pixels: Array, lens: Lens) -> Array:
     return out
 
 
-@fast_jit
+@fast_inlined_jit
 def ray_of(x: float, y: float, lens: Lens) -> tuple[float, float]:
     """Where a pixel lies on the plane z = 1 without the lens."""
     matrix, bend = lens.matrix, lens.coefficients

@@ -9,8 +9,8 @@ from padstudio.arrays import YuvFrame
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.cells import cells_kernel
 from padstudio.vision.detector import Detector
-from padstudio.vision.frame.prepare import find_denoise, prepare
 from padstudio.vision.frame.pixels_kernel import values_at
+from padstudio.vision.frame.prepare import find_denoise, prepare
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.yuv import YuvPyramid
 

@@ -170,7 +170,8 @@ def fit(
         if (step * right).sum() < _SETTLED:
             break
     inliers = np.abs(rows[:, 0]) < 4 * sigma
-    return Solution(np.isfinite(rows[:, 0]).all(), pose, rows, inliers, rms_of(rows, seen, inliers))
+    solved = bool(np.isfinite(rows[:, 0]).all())
+    return Solution(solved, pose, rows, inliers, rms_of(rows, seen, inliers))
 
 
 @fast_jit

@@ -43,8 +43,7 @@ class Measured(NamedTuple):
     tile : (N,) int
     first, width : float
         Row time of the first interval's beginning, and an interval's length.
-    count : int
-        Intervals.
+    intervals : int
     """
 
     rows: Array
@@ -54,7 +53,7 @@ class Measured(NamedTuple):
     tile: NDArray[np.intp]
     first: float
     width: float
-    count: int
+    intervals: int
 
 
 @fast_jit
@@ -104,7 +103,7 @@ def weighed(measured: Measured, left: Array, predicted: Array, most_alike: float
     normal, squares, scores = noise_sums(rows, trust, measured.tile, TILES**2)
     noise = noise_share(normal, squares, scores, len(rows), most_alike)
     rows[:, 0] += share * predicted
-    first, width, count = measured.first, measured.width, measured.count
+    first, width, count = measured.first, measured.width, measured.intervals
     sums = row_sums(rows, measured.sides, measured.row_time, trust, first, width, count)
     scaled = RowSums(sums.normal * (share**2 / noise), sums.pull * (share / noise))
     return Rows(scaled, first, width)
@@ -120,7 +119,7 @@ def explained_by(measured: Measured, static: Array, drift: Array, sway: Array) -
     for i in range(len(out)):
         s = measured.row_time[i]
         at = (s - measured.first) / measured.width
-        k = min(max(int(at), 0), measured.count - 1)
+        k = min(max(int(at), 0), measured.intervals - 1)
         for a in range(6):
             step = static[a] + s * drift[a]
             if a >= 3:

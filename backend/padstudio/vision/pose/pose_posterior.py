@@ -244,7 +244,7 @@ class _Measured:
     def knots(self) -> Array:
         """Row times of the intervals' ends, (I + 1,)."""
         here = self._measured
-        return np.asarray(here.first + here.width * np.arange(here.count + 1))
+        return np.asarray(here.first + here.width * np.arange(here.intervals + 1))
 
     def sway(self, fit: RowFit) -> Sway:
         """A fit's shaking."""

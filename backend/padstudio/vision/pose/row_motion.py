@@ -85,7 +85,7 @@ class MotionBounds:
     @property
     def drift_sigmas(self) -> Array:
         """Standard deviations (S, 6) of the drift about what is expected, at all its sizes."""
-        sigma = _BY_SIZE.copy()
+        sigma: Array = _BY_SIZE.copy()
         sigma[:, :3] *= self.height_mm
         sigma[:, 2] = np.minimum(sigma[:, 2], self.climb_mm)
         return sigma

@@ -52,7 +52,9 @@ def test_rows_sum_up_to_the_whole():
     for c in range(2):
         scale = np.abs(whole.normal[c, :12, :12]).max()
         here, later = rows.normal[c, 0].sum(axis=0), once[c].sum(axis=0)
-        np.testing.assert_allclose(np.tril(here), np.tril(whole.normal[c, :6, :6]), atol=1e-9 * scale)
+        np.testing.assert_allclose(
+            np.tril(here), np.tril(whole.normal[c, :6, :6]), atol=1e-9 * scale
+        )
         np.testing.assert_allclose(later, whole.normal[c, 6:12, :6], atol=1e-9 * scale)
         pull = rows.pull[c, 0] * starts[:, None] + rows.pull[c, 1] * rows.width
         np.testing.assert_allclose(pull.sum(axis=0), whole.right[c, 0, 6:12], rtol=1e-9)

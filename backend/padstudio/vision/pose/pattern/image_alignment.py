@@ -32,7 +32,7 @@ _ROUGH_PIXELS = 2500
 # The last step of a start among others, or before all pixels are taken, whose pose is as far off;
 # and the last on all pixels, where the normal matrix is soon the same.
 _ROUGHLY, _NEAR = Limits(5, 0.5), Limits(5, 8.0)
-_ON_ALL = Limits(4, 0.1, 0.5)
+_ON_ALL = Limits(4, 0.1, 30.0)
 
 
 class Match:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_inlined_jit, fast_jit
@@ -135,7 +136,12 @@ def gather_rows(block: Block, f: Array, normal: Array, pull: Array, k: int) -> N
 
 @fast_jit
 def blur_variance(
-    pixels: Pixels, texture: Texture, pose: PoseState, terms: Array, stride: int, left: Array
+    pixels: Pixels,
+    texture: Texture,
+    pose: PoseState,
+    terms: Array,
+    stride: int,
+    left: NDArray[np.float32],
 ) -> float:
     """By how much a picture is blurrier than the pattern, texture pixels squared.
 

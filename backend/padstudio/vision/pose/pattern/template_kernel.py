@@ -100,16 +100,18 @@ def thinned(spread: Spread, most: int, side: float, height: int) -> tuple[Spread
     given = len(spread.xy)
     count = min(given, most)
     xy, rays = np.empty((count, 2)), np.empty((3, count))
-    row_time, shade, middle = np.empty(count), np.empty((6, count)), np.zeros(2)
+    row_time, shade = np.empty(count), np.empty((6, count))
+    middle_x = middle_y = 0.0
     for i in range(count):
-        k = i * (given - 1) // (count - 1)
-        xy[i] = spread.xy[k]
-        middle += xy[i] / count
+        k = i if given == count else i * (given - 1) // (count - 1)
+        x, y = spread.xy[k, 0], spread.xy[k, 1]
+        middle_x, middle_y = middle_x + x, middle_y + y
+        xy[i, 0], xy[i, 1], row_time[i] = x, y, (y - (height - 1) / 2) / height
         for axis in range(3):
             rays[axis, i] = spread.rays[axis, k]
-        row_time[i] = (xy[i, 1] - (height - 1) / 2) / height
+    middle_x, middle_y = middle_x / count, middle_y / count
     for i in range(count):
-        u, v = (xy[i, 0] - middle[0]) / side, (xy[i, 1] - middle[1]) / side
+        u, v = (xy[i, 0] - middle_x) / side, (xy[i, 1] - middle_y) / side
         shade[0, i], shade[1, i], shade[2, i] = 1.0, u, v
         shade[3, i], shade[4, i], shade[5, i] = u * u, u * v, v * v
     return Spread(xy, rays), row_time, shade
