@@ -7,8 +7,13 @@ import pytest
 from dense_frames import random_pose, seen_by
 
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.vision.pose.pattern import alignment_kernel, solver_kernel, template_kernel
-from padstudio.vision.pose.pattern.alignment_kernel import Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern import (
+    alignment_kernel,
+    block_kernel,
+    elimination_kernel,
+    template_kernel,
+)
+from padstudio.vision.pose.pattern.block_kernel import Brightness, Pixels, Texture
 
 
 def moving_pose(seed):
@@ -19,7 +24,7 @@ def moving_pose(seed):
 
 def meet(pose, ray, s):
     """Where a ray meets the pad, and how that moves with the pose (2, 6)."""
-    block = alignment_kernel.room(6, 1)
+    block = block_kernel.room(6, 1)
     pixels = Pixels(
         ray[:, None].copy(),
         np.array([s]),
@@ -27,7 +32,7 @@ def meet(pose, ray, s):
         np.zeros(1, int),
         np.zeros((1, 1), np.float32),
     )
-    alignment_kernel.meet_pad(block, pixels, (0, 1), pose.state)
+    block_kernel.meet_pad(block, pixels, (0, 1), pose.state)
     at = block.at[:, 0].copy()
     moves = []
     for slopes in ([1.0, 0.0], [0.0, 1.0]):
@@ -147,7 +152,7 @@ def test_without_brightness_the_pose_has_the_same_solution(size):
     rows = rng.normal(size=(200, size + 5))
     rows[:, -1] = 0.0  # a term of which the picture says nothing
     normal, right = rows.T @ rows, rows.T @ rng.normal(size=200)
-    inner, pull, shared, change = solver_kernel.without_brightness(
+    inner, pull, shared, change = elimination_kernel.without_brightness(
         np.tril(normal), right, size, 1e-9
     )
     whole = np.linalg.lstsq(normal, right, rcond=None)[0]

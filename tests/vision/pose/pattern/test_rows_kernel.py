@@ -7,18 +7,11 @@ from dense_frames import random_pose
 from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.pose.edge_points import Sway
 from padstudio.vision.pose.noise_kernel import TILES
-from padstudio.vision.pose.pattern.alignment_kernel import (
-    Brightness,
-    Pixels,
-    Texture,
-    match_pattern,
-)
+from padstudio.vision.pose.pattern.alignment_kernel import match_pattern
+from padstudio.vision.pose.pattern.block_kernel import Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern.elimination_kernel import eliminated, without_brightness
 from padstudio.vision.pose.pattern.rows_kernel import blur_variance, match_rows
-from padstudio.vision.pose.pattern.solver_kernel import (
-    eliminated,
-    median_size,
-    without_brightness,
-)
+from padstudio.vision.pose.pattern.solver_kernel import median_size
 
 
 def scene(n=700):

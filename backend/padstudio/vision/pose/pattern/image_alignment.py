@@ -19,7 +19,7 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior
-from padstudio.vision.pose.pattern.alignment_kernel import Pixels, Texture
+from padstudio.vision.pose.pattern.block_kernel import Pixels, Texture
 from padstudio.vision.pose.pattern.posterior import PatternPosterior
 from padstudio.vision.pose.pattern.solver import PatternSolver
 from padstudio.vision.pose.pattern.solver_kernel import Limits
@@ -30,9 +30,8 @@ from padstudio.vision.pose.pose_posterior import Explained
 # same stills of the score.
 _ROUGH_PIXELS = 2500
 # The last step of a start among others, or before all pixels are taken, whose pose is as far off;
-# and the last on all pixels, where the normal matrix is soon the same.
-_ROUGHLY, _NEAR = Limits(5, 0.5), Limits(5, 8.0)
-_ON_ALL = Limits(4, 0.1, 30.0)
+# and the last.
+_ROUGHLY, _NEAR, _SETTLED = Limits(5, 0.5), Limits(5, 8.0), Limits(4, 0.1)
 
 
 class Match:
@@ -90,7 +89,7 @@ class Match:
         if not self._compared:
             pose = solver.settle(begin, prior, self._few, _ROUGHLY if rough else _NEAR)
         if pose is not None and not rough:
-            pose = solver.settle(pose, prior, self._all, _ON_ALL)
+            pose = solver.settle(pose, prior, self._all, _SETTLED)
             self._compared = True
         if pose is None:
             return None

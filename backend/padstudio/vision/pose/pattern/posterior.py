@@ -14,7 +14,7 @@ from padstudio.vision.pose.edge_points import Sway
 from padstudio.vision.pose.least_squares import MotionModel, MotionPrior, bounds_of
 from padstudio.vision.pose.noise_kernel import TILES, pattern_noise
 from padstudio.vision.pose.pattern.alignment_kernel import Equations as MatchEquations
-from padstudio.vision.pose.pattern.alignment_kernel import Pixels
+from padstudio.vision.pose.pattern.block_kernel import Pixels
 from padstudio.vision.pose.pattern.rows_kernel import RowEquations, blur_variance, match_rows
 from padstudio.vision.pose.pattern.solver import Equations, PatternSolver
 from padstudio.vision.pose.pattern.solver_kernel import Limits, scales_of

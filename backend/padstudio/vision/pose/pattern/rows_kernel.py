@@ -12,17 +12,19 @@ from padstudio.compiled import fast_inlined_jit, fast_jit
 from padstudio.geometry.projection import PoseState
 from padstudio.vision.pose.noise_kernel import TILES
 from padstudio.vision.pose.pattern.alignment_kernel import (
+    Equations,
+    gather,
+    linearize,
+    pull_tiles,
+)
+from padstudio.vision.pose.pattern.block_kernel import (
     BLOCK,
     GAIN,
     SHADE,
     Block,
     Brightness,
-    Equations,
     Pixels,
     Texture,
-    gather,
-    linearize,
-    pull_tiles,
     room,
     show,
 )
@@ -154,7 +156,7 @@ def blur_variance(
     texture : Texture
     pose : PoseState
     terms : (C, 6 + 3 L) float64
-        As of `padstudio.vision.pose.pattern.alignment_kernel.Brightness`.
+        As of `padstudio.vision.pose.pattern.block_kernel.Brightness`.
     stride : int
     left : (C, N) float32
         Residuals.

@@ -19,7 +19,8 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.vision.pose.least_squares import MotionPrior
 from padstudio.vision.pose.noise_kernel import least_share
 from padstudio.vision.pose.pattern import alignment_kernel, solver_kernel
-from padstudio.vision.pose.pattern.alignment_kernel import Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern.block_kernel import GAIN, SHADE, Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern.elimination_kernel import HELD, without_brightness
 from padstudio.vision.pose.pattern.solver_kernel import Knowledge, Limits
 from padstudio.vision.pose.pattern.template import OVERSAMPLING
 
@@ -57,9 +58,7 @@ class Equations:
         """The Schur complement of the brightness terms."""
         squares, weights, steepness, _ = sums
         variance = max(squares / weights, 1e-9)
-        inner, pull, shared, change = solver_kernel.without_brightness(
-            normal, right.sum(axis=0), size, solver_kernel.HELD
-        )
+        inner, pull, shared, change = without_brightness(normal, right.sum(axis=0), size, HELD)
         return cls(
             normal=inner / variance,
             right=pull / variance,
@@ -86,7 +85,7 @@ class PatternSolver:
     Attributes
     ----------
     brightness : (C, 6 + 3 L) float64
-        As of `alignment_kernel.Brightness`.
+        As of `block_kernel.Brightness`.
     scale : (C,) float64
         Likewise.
     rms_px : float
@@ -95,7 +94,7 @@ class PatternSolver:
 
     def __init__(self, texture: Texture, channels: int) -> None:
         self.texture = texture
-        terms = alignment_kernel.SHADE + alignment_kernel.GAIN * len(texture.layers)
+        terms = SHADE + GAIN * len(texture.layers)
         self.brightness = np.zeros((channels, terms))
         self.scale = np.zeros(channels)
         self.rms_px = 0.0

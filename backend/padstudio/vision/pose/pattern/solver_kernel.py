@@ -12,20 +12,18 @@ from padstudio.compiled import fast_jit
 from padstudio.geometry.projection import PoseState
 from padstudio.geometry.small_matrices import solve, turned
 from padstudio.vision.pose.noise_kernel import least_share
-from padstudio.vision.pose.pattern.alignment_kernel import (
-    GAIN,
-    SHADE,
-    Brightness,
-    Pixels,
-    Texture,
-    match_pattern,
+from padstudio.vision.pose.pattern.alignment_kernel import match_pattern
+from padstudio.vision.pose.pattern.block_kernel import GAIN, SHADE, Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern.elimination_kernel import (
+    HELD,
+    Eliminated,
+    eliminated,
+    without_brightness,
 )
 
 # Where residuals are large, plain steps go half of the way; they are lengthened by what the last
 # two tell, but by no more than this.
 _MOST_STRETCH = 2.5
-#: As `without_brightness` takes it.
-HELD = 1e-9
 # Residuals beyond so many standard deviations, and grey values, are trusted little.
 _TRUSTED, _LEAST_SCALE = 3.0, 0.3
 # Sizes of residuals are counted by their first bits: those of the exponent and three more.
@@ -48,14 +46,10 @@ class Limits(NamedTuple):
         So many at the most.
     settled : float
         A step that is shorter than so many standard deviations, squared, is the last.
-    alike : float
-        After one that is shorter than this the normal matrix is taken for the same: so near the
-        answer it hardly changes, and where the right side is zero does not depend on it.
     """
 
     steps: int
     settled: float
-    alike: float = 0.0
 
 
 class Settled(NamedTuple):
@@ -77,24 +71,6 @@ class Settled(NamedTuple):
     brightness: Brightness
     stretch: float
     sums: Array
-
-
-class Eliminated(NamedTuple):
-    """Each channel's normal matrix without its brightness.
-
-    Attributes
-    ----------
-    inner : (C, K, K) float64
-        Of the pose.
-    shared : (C, L, K) float64
-        What of a step of the pose brightness takes over.
-    linear : (C, L, L) float64
-        Of brightness.
-    """
-
-    inner: Array
-    shared: Array
-    linear: Array
 
 
 @fast_jit
@@ -131,14 +107,10 @@ def settle(
     limits : Limits
     """
     size, (pose, brightness, stretch) = len(known.weight), start
-    last, length, sums = np.zeros(size), np.inf, np.zeros((len(pixels.values), 4))
-    channels, linear = brightness.terms.shape
-    shape = (channels, linear, size)
-    held = Eliminated(np.empty((channels, size, size)), np.empty(shape), np.empty(shape))
+    last, sums = np.zeros(size), np.zeros((len(pixels.values), 4))
     for n in range(limits.steps):
-        tiles = 1 if length > limits.alike else 0
-        found = match_pattern(pixels, texture, pose, brightness, size, tiles)
-        held, sums = eliminated(found.normal, size) if tiles else held, found.sums
+        found = match_pattern(pixels, texture, pose, brightness, size, 1)
+        held, sums = eliminated(found.normal, size), found.sums
         normal, pull = posed(held, found.right[:, 0], sums, known, pose)
         solved, step = solve(normal, pull)
         if not solved or not np.isfinite(step).all():
@@ -153,21 +125,6 @@ def settle(
         if length < limits.settled:
             break
     return Settled(True, pose, brightness, stretch, sums)
-
-
-@fast_jit
-def eliminated(normal: Array, size: int) -> Eliminated:
-    """The Schur complements of the channels' normal matrices (C, M, M)."""
-    channels, linear = len(normal), normal.shape[1] - size
-    inner, shared = np.empty((channels, size, size)), np.empty((channels, linear, size))
-    rest, none = np.empty((channels, linear, linear)), np.zeros(size + linear)
-    for c in range(channels):
-        inner[c], _, shared[c], _ = without_brightness(normal[c], none, size, HELD)
-        for a in range(linear):
-            for b in range(linear):
-                rest[c, a, b] = normal[c, size + max(a, b), size + min(a, b)]
-            rest[c, a, a] += max(HELD * rest[c, a, a], 1e-9)
-    return Eliminated(inner, shared, rest)
 
 
 @fast_jit
@@ -274,56 +231,3 @@ def median_size(residuals: NDArray[np.float32]) -> float:
             alike[found] = abs(residuals[i])
             found += 1
     return float(np.partition(alike, middle - below)[middle - below])
-
-
-@fast_jit
-def without_brightness(
-    normal: Array, right: Array, size: int, held: float
-) -> tuple[Array, Array, Array, Array]:
-    """Normal equations of the pose alone: the Schur complement of the L terms of brightness.
-
-    Parameters
-    ----------
-    normal : (size + L, size + L) float64
-        Lower triangle.
-    right : (size + L,) float64
-    size : int
-    held : float
-        Terms are held to what they are by this share of what the picture says of them, so that
-        those it says nothing of, as of a layer out of view, can be solved for.
-
-    Returns
-    -------
-    normal : (size, size) float64
-    right : (size,) float64
-    shared : (L, size) float64
-        What of a step of the pose brightness takes over.
-    change : (L,) float64
-        Of brightness, while the pose stays.
-    """
-    linear = len(right) - size
-    work = np.empty((linear, linear + size + 1))
-    for a in range(linear):
-        for b in range(linear):
-            work[a, b] = normal[size + max(a, b), size + min(a, b)]
-        work[a, a] += max(held * work[a, a], 1e-9)
-        for k in range(size):
-            work[a, linear + k] = normal[size + a, k]
-        work[a, linear + size] = right[size + a]
-    # Gauss-Jordan; a positive definite matrix needs no pivots.
-    for p in range(linear):
-        work[p, p:] /= work[p, p]
-        for a in range(linear):
-            if a != p:
-                work[a, p:] -= work[a, p] * work[p, p:]
-    shared, change = work[:, linear : linear + size].copy(), work[:, linear + size].copy()
-    inner, pull = np.empty((size, size)), right[:size].copy()
-    for a in range(size):
-        for b in range(size):
-            inner[a, b] = normal[max(a, b), min(a, b)]
-        for k in range(linear):
-            across = normal[size + k, a]
-            pull[a] -= across * change[k]
-            for b in range(size):
-                inner[a, b] -= across * shared[k, b]
-    return inner, pull, shared, change

@@ -17,7 +17,7 @@ from padstudio.vision.frame.pixels_kernel import values_at
 from padstudio.vision.frame.pyramid import Box, Pyramid
 from padstudio.vision.pose.noise_kernel import tiles_of
 from padstudio.vision.pose.pattern import template_kernel
-from padstudio.vision.pose.pattern.alignment_kernel import Pixels, Texture
+from padstudio.vision.pose.pattern.block_kernel import Pixels, Texture
 from padstudio.vision.pose.pattern.template_kernel import blurred_cells
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
