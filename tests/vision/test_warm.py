@@ -11,10 +11,8 @@ from padstudio.vision.pose import (
     least_squares_kernel,
     measured_kernel,
     noise_kernel,
-    row_motion_kernel,
 )
 from padstudio.vision.pose.pattern import (
-    alignment_kernel,
     rows_kernel,
     solver_kernel,
     template_kernel,
@@ -29,11 +27,9 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         edge_points_kernel,
         cells_kernel,
         least_squares_kernel,
-        row_motion_kernel,
         drift_kernel,
         measured_kernel,
         noise_kernel,
-        alignment_kernel,
         rows_kernel,
         solver_kernel,
         template_kernel,
