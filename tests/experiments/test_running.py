@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from linear_algebra import threads_after_a_product
 
 from padstudio.experiments.running import run_parts
 
@@ -24,3 +27,9 @@ def test_a_progress_that_raises_ends_the_work() -> None:
     with pytest.raises(RuntimeError, match="enough"):
         run_parts(done.append, [1, 2, 3], stop)
     assert done == [1, 2]
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads as Linux does")
+def test_each_process_has_one_thread() -> None:
+    parts = [700, 700]
+    assert run_parts(threads_after_a_product, parts, lambda *at: None, 2) == [1, 1]

@@ -6,11 +6,17 @@ from padstudio.vision import warm
 from padstudio.vision.cells import cells_kernel
 from padstudio.vision.frame import pixels_kernel
 from padstudio.vision.pose import (
+    drift_kernel,
     edge_points_kernel,
     least_squares_kernel,
-    row_motion_kernel,
+    measured_kernel,
+    noise_kernel,
 )
-from padstudio.vision.pose.pattern import alignment_kernel
+from padstudio.vision.pose.pattern import (
+    rows_kernel,
+    solver_kernel,
+    template_kernel,
+)
 from padstudio.vision.search import search_kernel
 
 
@@ -21,8 +27,12 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         edge_points_kernel,
         cells_kernel,
         least_squares_kernel,
-        row_motion_kernel,
-        alignment_kernel,
+        drift_kernel,
+        measured_kernel,
+        noise_kernel,
+        rows_kernel,
+        solver_kernel,
+        template_kernel,
         pixels_kernel,
         planar_pnp_kernel,
         search_kernel,
@@ -41,10 +51,17 @@ def test_warming_reads_its_frames_and_compiles_every_kernel():
         least_squares_kernel.fit,
         planar_pnp_kernel.fit_points,
         least_squares_kernel.scatter,
-        row_motion_kernel.row_sums,
-        row_motion_kernel.noise_sums,
-        alignment_kernel.match_pattern,
-        alignment_kernel.blurred_cells,
+        drift_kernel.drifting,
+        measured_kernel.measured,
+        measured_kernel.weighed,
+        measured_kernel.blur_variance,
+        rows_kernel.match_rows,
+        rows_kernel.blur_variance,
+        solver_kernel.brightness_at,
+        solver_kernel.settle,
+        template_kernel.blurred_cells,
+        template_kernel.pixels_on_pad,
+        pixels_kernel.values_at,
         search_kernel.climb,
     ):
         assert called.dispatcher.signatures, called.__name__

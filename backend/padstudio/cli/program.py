@@ -7,6 +7,7 @@ and no command pays for another.
 from __future__ import annotations
 
 import gc
+import os
 from importlib import import_module
 from typing import Annotated, Any, Final
 
@@ -105,6 +106,9 @@ app = typer.Typer(
 
 def main() -> None:
     """Entry point of the ``padstudio`` program."""
+    # The matrices here are too small to share out: threads of linear algebra would only wait for
+    # each other. NumPy reads this when it is first imported, in processes that this starts as well.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Looking for garbage among what is imported takes a sixth of a short command's time.
     gc.disable()
     try:

@@ -39,6 +39,9 @@ def run_parts(
             results.append(run(part))
             progress(done, len(parts))
         return results
+    # A process for every core has one thread for linear algebra. NumPy reads this as it is
+    # imported, which is before anything runs in a new process.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_alone) as pool:
         waiting = {pool.submit(run, part): place for place, part in enumerate(parts)}
@@ -54,8 +57,7 @@ def run_parts(
 
 
 def _alone() -> None:
-    """One thread for linear algebra and OpenCV, as there is a process for every core."""
+    """One thread for OpenCV too."""
     # Ctrl-C reaches the whole group; the process that started these ends them itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
     cv2.setNumThreads(1)

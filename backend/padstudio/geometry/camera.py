@@ -203,7 +203,7 @@ class Camera:
         lens = (self.width, self.height, self.matrix, self.distortion, self.model)
         return CameraFields(*lens, self.name, self.nominal, self.readout_ms, self.notes)
 
-    @property
+    @cached_property
     def distorted(self) -> bool:
         """True if any distortion coefficient differs from zero."""
         return bool(np.any(self.distortion)) or self.model == "fisheye"
@@ -217,7 +217,7 @@ class Camera:
         # A copy, which can be written to, as compiled loops take arrays of one kind.
         return Lens(self.matrix.copy(), coefficients, self.width, self.height)
 
-    @property
+    @cached_property
     def focal_px(self) -> float:
         """Geometric mean of the two focal lengths, pixels."""
         return float(np.sqrt(self.matrix[0, 0] * self.matrix[1, 1]))

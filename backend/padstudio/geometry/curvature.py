@@ -47,9 +47,9 @@ def without_curvature(covariance: Array, pose: Pose) -> Array:
     """
     out = covariance.copy()
     out[:3, :3] -= _second_moment(covariance[3:, 3:], pose)
-    unit = 1 / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    unit = 1 / np.sqrt(np.maximum(covariance.diagonal(), 1e-300))
     try:
-        np.linalg.cholesky(out * np.outer(unit, unit))
+        np.linalg.cholesky(out * unit * unit[:, None])
     except np.linalg.LinAlgError:
         return covariance
     return out
@@ -60,9 +60,11 @@ def _second_moment(attitude: Array, pose: Pose) -> Array:
 
     By Isserlis' theorem, of ½ (θ (θ·t) − t |θ|²).
     """
-    centre, trace = pose.tvec_mm, float(attitude.trace())
-    pull = attitude @ centre
-    mixed = np.outer(trace * pull + 2 * attitude @ pull, centre)
-    out = float(centre @ pull) * attitude + 2 * np.outer(pull, pull) - mixed - mixed.T
-    out += (trace**2 + 2 * float((attitude * attitude).sum())) * np.outer(centre, centre)
-    return np.asarray(pose.rotation @ (out / 4) @ pose.rotation.T)
+    # In the pad frame, where the centre lies opposite to the position.
+    turn, centre = pose.rotation @ attitude @ pose.rotation.T, -pose.position_mm
+    pull = turn @ centre
+    trace = float(turn[0, 0] + turn[1, 1] + turn[2, 2])
+    mixed = (trace * pull + 2 * (turn @ pull))[:, None] * centre
+    both = trace**2 + 2 * float(turn.ravel() @ turn.ravel())
+    out = float(centre @ pull) * turn + (2 * pull)[:, None] * pull - mixed - mixed.T
+    return np.asarray((out + (both * centre)[:, None] * centre) / 4)

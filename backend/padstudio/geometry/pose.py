@@ -82,7 +82,7 @@ class Pose:
     @property
     def range_mm(self) -> float:
         """Distance from the camera's centre to the pad's centre, mm."""
-        return float(np.linalg.norm(self.position_mm))
+        return math.sqrt(float(self.position_mm @ self.position_mm))
 
     @property
     def bearing(self) -> Array:
@@ -185,17 +185,30 @@ def rotation_from_quaternion(quaternion_xyzw: Sequence[float]) -> Array:
 
 def rotation_from_vector(vector: Array) -> Array:
     """The rotation (3, 3) of a rotation vector (3,), radians (Rodrigues' formula)."""
-    return np.asarray(cv2.Rodrigues(np.asarray(vector, float))[0], float)
+    x, y, z = np.asarray(vector, float).ravel().tolist()
+    square = x * x + y * y + z * z
+    angle = math.sqrt(square)
+    # Plain figures: calls of NumPy and OpenCV cost more than all of it.
+    a = 1 - square / 6 if angle < 1e-4 else math.sin(angle) / angle
+    b = 0.5 - square / 24 if angle < 1e-4 else 2 * (math.sin(angle / 2) / angle) ** 2
+    return np.array(
+        [
+            [1 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y],
+            [b * x * y + a * z, 1 - b * (x * x + z * z), b * y * z - a * x],
+            [b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y)],
+        ]
+    )
 
 
 def vector_from_rotation(rotation: Array) -> Array:
     """The rotation vector (3,), radians, of a rotation (3, 3)."""
-    x, y, z = rotation[2, 1], rotation[0, 2], rotation[1, 0]
-    axis = np.array([x - rotation[1, 2], y - rotation[2, 0], z - rotation[0, 1]]) / 2
-    sine, cosine = float(np.linalg.norm(axis)), (float(np.trace(rotation)) - 1) / 2
+    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation.tolist()
+    x, y, z = (r21 - r12) / 2, (r02 - r20) / 2, (r10 - r01) / 2
+    sine, cosine = math.sqrt(x * x + y * y + z * z), (r00 + r11 + r22 - 1) / 2
     if cosine > 0:
         # OpenCV takes angles below 1e-5 for none.
-        return axis * (math.atan2(sine, cosine) / sine if sine > 0 else 1.0)
+        scale = math.atan2(sine, cosine) / sine if sine > 0 else 1.0
+        return np.array([x * scale, y * scale, z * scale])
     return np.asarray(cv2.Rodrigues(rotation)[0], float).ravel()
 
 

@@ -100,17 +100,24 @@ def distorted(u: float, v: float, lens: Array) -> tuple[float, float]:
 @fast_jit
 def undistorted(pixels: Array, lens: Lens) -> Array:
     """Where pixels (N, 2) lie on the plane z = 1 without the lens, (N, 2), by Newton's steps."""
-    matrix, bend = lens.matrix, lens.coefficients
     out = np.empty((len(pixels), 2))
     for i in range(len(pixels)):
-        v = (pixels[i, 1] - matrix[1, 2]) / matrix[1, 1]
-        u = (pixels[i, 0] - matrix[0, 2] - matrix[0, 1] * v) / matrix[0, 0]
-        if bend[0] > 0:
-            x, y = without_fisheye(u, v, bend)
-        else:
-            x, y = without_radtan(u, v, bend)
-        out[i, 0], out[i, 1] = x, y
+        out[i, 0], out[i, 1] = ray_of(pixels[i, 0], pixels[i, 1], lens)
     return out
+
+
+@fast_inlined_jit
+def ray_of(x: float, y: float, lens: Lens) -> tuple[float, float]:
+    """Where a pixel lies on the plane z = 1 without the lens."""
+    matrix, bend = lens.matrix, lens.coefficients
+    v = (y - matrix[1, 2]) / matrix[1, 1]
+    u = (x - matrix[0, 2] - matrix[0, 1] * v) / matrix[0, 0]
+    if bend[0] > 0:
+        return without_fisheye(u, v, bend)
+    for k in range(1, len(bend)):
+        if bend[k] != 0:
+            return without_radtan(u, v, bend)
+    return u, v
 
 
 @fast_jit

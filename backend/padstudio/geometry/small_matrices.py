@@ -96,6 +96,36 @@ def rotation_vector(rotation: Array) -> Array:
 
 
 @fast_jit
+def inverse_trace(matrix: Array, other: Array) -> float:
+    """Trace of ``inverse(matrix) @ other``, both (n, n), symmetric; units may differ widely.
+
+    The matrix is scaled so that its diagonal is one; rounding may take it to the brink.
+    """
+    n = len(matrix)
+    unit, root = np.empty(n), np.zeros((n, n))
+    for i in range(n):
+        unit[i] = 1 / math.sqrt(max(matrix[i, i], 1e-300))
+    # Cholesky's factor, and then its inverse's rows, which turn the other matrix.
+    for i in range(n):
+        for j in range(i + 1):
+            rest = matrix[i, j] * unit[i] * unit[j]
+            for k in range(j):
+                rest -= root[i, k] * root[j, k]
+            root[i, j] = math.sqrt(max(rest, 1e-14)) if i == j else rest / root[j, j]
+    back, trace = np.zeros((n, n)), 0.0
+    for i in range(n):
+        for c in range(i + 1):
+            rest = unit[i] if c == i else 0.0
+            for k in range(c, i):
+                rest -= root[i, k] * back[k, c]
+            back[i, c] = rest / root[i, i]
+        for a in range(i + 1):
+            for b in range(i + 1):
+                trace += back[i, a] * other[a, b] * back[i, b]
+    return trace
+
+
+@fast_jit
 def turned(rotation: Array, rotvec: Array) -> Array:
     """A rotation followed by a rotation vector in its own frame (Rodrigues), kept orthonormal."""
     angle = math.sqrt(rotvec[0] ** 2 + rotvec[1] ** 2 + rotvec[2] ** 2)

@@ -100,9 +100,10 @@ def lattice_mm(pad: Pad, layer: Layer, coordinates: Array) -> Array:
 
     Cells lie between whole numbers; the pad has its measured size.
     """
-    x = (coordinates[..., 0] * layer.cell_mm - pad.width_mm / 2) * pad.scale[0]
-    y = (pad.height_mm / 2 - coordinates[..., 1] * layer.cell_mm) * pad.scale[1]
-    return np.stack([x, y, np.zeros_like(x)], axis=-1)
+    points = np.zeros((*coordinates.shape[:-1], 3))
+    points[..., 0] = (coordinates[..., 0] * layer.cell_mm - pad.width_mm / 2) * pad.scale[0]
+    points[..., 1] = (pad.height_mm / 2 - coordinates[..., 1] * layer.cell_mm) * pad.scale[1]
+    return points
 
 
 def lattice_of(pad: Pad, layer: Layer, points_mm: Array) -> Array:

@@ -152,7 +152,8 @@ def expose(light: Light, imaging: Imaging, rng: np.random.Generator) -> Image:
     light = _lens(light, imaging)
     mono = imaging.response is not None and imaging.response.mono
     bayer = imaging.bayer and not mono
-    raw = sensor(_mosaic(light) if bayer else light[..., 0] if mono else light, imaging, rng)
+    sampled = _mosaic(light) if bayer else light[..., 0] if mono else light
+    raw = sensor(_shaded(sampled, imaging), imaging, rng)
     if mono:
         bgr = cv2.cvtColor(raw, cv2.COLOR_GRAY2BGR)
     elif bayer:
@@ -199,14 +200,20 @@ def sensor(light: Light, imaging: Imaging, rng: np.random.Generator) -> NDArray[
     out = light
     if np.isfinite(imaging.full_well_e):
         well = np.float32(imaging.full_well_e)
-        variance = np.maximum(light, 0) * (1 / well) + np.float32(imaging.read_noise_e / well) ** 2
-        out = light + np.sqrt(variance) * rng.standard_normal(light.shape, dtype=np.float32)
+        # In place: writing to fresh memory takes as long as the arithmetic.
+        out = np.maximum(light, 0)
+        out *= 1 / well
+        out += np.float32(imaging.read_noise_e / well) ** 2
+        np.sqrt(out, out=out)
+        out *= rng.standard_normal(light.shape, dtype=np.float32)
+        out += light
     if imaging.hot_pixels > 0:
         draw = rng.random(light.shape, dtype=np.float32)
         out = np.where(draw < imaging.hot_pixels / 2, np.float32(0), out)
         out = np.where(draw > 1 - imaging.hot_pixels / 2, np.float32(1), out)
-    scaled = out * np.float32(_RAW_MAX) + np.float32(0.5)
-    return np.asarray(np.clip(scaled, 0, _RAW_MAX), np.uint16)
+    scaled = out * np.float32(_RAW_MAX)
+    scaled += np.float32(0.5)
+    return np.clip(scaled, 0, _RAW_MAX, out=scaled).astype(np.uint16)
 
 
 def _lens(light: Light, imaging: Imaging) -> Light:
@@ -214,23 +221,29 @@ def _lens(light: Light, imaging: Imaging) -> Light:
         light = np.asarray(cv2.filter2D(light, -1, _disc(imaging.defocus_px)), np.float32)
     if imaging.blur_px > 0:
         light = np.asarray(cv2.GaussianBlur(light, (0, 0), imaging.blur_px), np.float32)
+    return light
+
+
+def _shaded(light: Light, imaging: Imaging) -> Light:
+    """Glare, exposure and darker corners, on (H, W) or (H, W, 3), which is overwritten."""
     height, width = light.shape[:2]
     y = (np.arange(height, dtype=np.float32) - (height - 1) / 2)[:, None]
     x = (np.arange(width, dtype=np.float32) - (width - 1) / 2)[None, :]
+    # Plane by plane: numpy takes three times as long where it spreads over three channels.
+    planes = np.moveaxis(light, -1, 0) if light.ndim == 3 else light[None]
     if imaging.glare is not None:
         g = imaging.glare
         dx, dy = x - (g.x - 0.5) * width, y - (g.y - 0.5) * height
         square = (dx**2 + dy**2) / np.float32(g.radius * height) ** 2
         glow = np.float32(g.strength) * np.exp(-square)
-        for channel in np.moveaxis(light, -1, 0):
-            channel += glow
+        for plane in planes:
+            plane += glow
     gain = np.float32(imaging.brightness)
     if imaging.vignetting > 0:
         square = (x**2 + y**2) / np.float32((width**2 + height**2) / 4)
         falloff = gain * (1 - np.float32(imaging.vignetting) * square)
-        # Plane by plane: numpy takes three times as long where it spreads over three channels.
-        for channel in np.moveaxis(light, -1, 0):
-            channel *= falloff
+        for plane in planes:
+            plane *= falloff
     elif gain != 1:
         light *= gain
     return light

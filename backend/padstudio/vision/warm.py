@@ -16,11 +16,13 @@ from padstudio.pad.layout import layout
 from padstudio.pad.spec import Layer, Pad
 from padstudio.vision.detector import Detector
 from padstudio.vision.frame.pyramid import halved
+from padstudio.vision.stage.params import DetectorParams, RefineParams
 
 _SIDE_PX = 640
 _CELLS = 25
 # Widths of a cell: the sign fills the frame and is found by its lattice, or is matched as a whole.
 _CELL_PX = (36.0, 3.6)
+_NARROW = DetectorParams(refine=RefineParams(least_cell_px=40.0))
 _MATRIX = np.array([[1000.0, 0, _SIDE_PX / 2], [0, 1000.0, _SIDE_PX / 2], [0, 0, 1]])
 _CAMERA = Camera(_SIDE_PX, _SIDE_PX, _MATRIX)
 # Hardly distorted, so that the frame is what they see, too.
@@ -49,6 +51,8 @@ def steps() -> Iterator[bool]:
             for detection in detector.track(frames, smooth=True):
                 yield detection.ok
     near = _frame(pad, _CELL_PX[0])
+    # Cells too narrow to be fitted, as perspective makes some of them; the coarse ones are too few.
+    yield not Detector(pad, _CAMERA, params=_NARROW).detect(near).ok
     for lens in _LENSES:
         yield Detector(pad, lens).detect(near).ok
     yield Detector(pad, _CAMERA, method="paper").detect(near).ok

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from padstudio.flights.results.bins import BIN_FRAMES, bins_of, counted, pose_gaps
+from padstudio.flights.results.bins import BIN_FRAMES, add_up, bins_of, pose_gaps
 
 
 def frame(number: int, *, ok: bool) -> dict[str, Any]:
@@ -50,11 +50,14 @@ def test_bins_add_up_to_their_frames(
     bins = binned(frames, cuts, {"first_frame": first, "stride": stride})
     assert sum(row.frames for row in bins) == len(frames)
     assert sum(row.ok for row in bins) == sum(outcomes)
-    assert counted(bins, "stages") == Counter(f["stage"] for f in frames if f["stage"])
+    stages: dict[str, int] = {}
+    for row in bins:
+        add_up(stages, row.body["stages"])
+    assert stages == Counter(f["stage"] for f in frames if f["stage"])
     poses = [f["number"] for f in frames if f["status"] == "ok"]
-    steps = [after - before for before, after in pose_gaps(bins) if None not in (before, after)]
+    gaps = list(pose_gaps(row.body["poses"] for row in bins))
+    steps = [after - before for before, after in gaps if None not in (before, after)]
     assert max(steps, default=0) == max((b - a for a, b in pairwise(poses)), default=0)
-    gaps = list(pose_gaps(bins))
     ends = (poses[0], poses[-1]) if poses else (None, None)
     assert (gaps[0][1], gaps[-1][0]) == ends
     width = BIN_FRAMES * stride

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import counting
 import pytest
-from sqlalchemy import select
+from hypothesis import example, given
+from hypothesis import strategies as st
+from sqlalchemy import JSON, Engine, select, type_coerce
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from padstudio.errors import StorageError
@@ -83,3 +87,26 @@ def test_faults_are_told_by_name(says: str, code: str, status: int) -> None:
 def test_a_server_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="cannot be opened"):
         open_database(f"postgres://padstudio@/none?host={tmp_path}")
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
+    engine = open_database(f"sqlite:///{tmp_path_factory.mktemp('json') / 'studio.db'}")
+    yield engine
+    engine.dispose()
+
+
+_TEXTS = st.text(st.characters(exclude_categories=[]))
+_JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | _TEXTS,
+    lambda inner: st.lists(inner) | st.dictionaries(_TEXTS, inner),
+    max_leaves=12,
+)
+
+
+@given(st.lists(_JSON))
+@example(["a half surrogate: \ud800"])
+def test_columns_of_json_come_back_as_they_were_written(engine: Engine, value: list[Any]) -> None:
+    with engine.begin() as connection:
+        found = connection.scalar(select(type_coerce(value, JSON)))
+    assert repr(found) == repr(value)

@@ -9,6 +9,7 @@ from padstudio.arrays import YuvFrame
 from padstudio.geometry.pose import look_at_pad
 from padstudio.vision.cells import cells_kernel
 from padstudio.vision.detector import Detector
+from padstudio.vision.frame.pixels_kernel import values_at
 from padstudio.vision.frame.prepare import find_denoise, prepare
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.frame.yuv import YuvPyramid
@@ -63,9 +64,11 @@ def test_single_pixels_are_those_of_the_picture(channel):
     y, u, v = frame.y, *(cv2.resize(c, (160, 96)) for c in (frame.u, frame.v))
     drawn = cv2.cvtColor(cv2.merge([y, v, u]), cv2.COLOR_YCrCb2BGR)
     plain = Pyramid(frame.bgr if channel == "green" else drawn)
-    every = np.stack(np.meshgrid(np.arange(160), np.arange(96)), axis=-1).reshape(-1, 2)
-    found = YuvPyramid(frame).values_at(channel, every)
-    np.testing.assert_allclose(found, plain.values_at(channel, every), atol=2)
+    every = np.stack(np.meshgrid(np.arange(160.0), np.arange(96.0)), axis=-1).reshape(-1, 2)
+    found, there = (
+        values_at(pyramid.window(channel, 0), every) for pyramid in (YuvPyramid(frame), plain)
+    )
+    np.testing.assert_allclose(found, there, atol=2)
 
 
 def test_a_limited_range_of_the_other_standard_is_the_same_picture():

@@ -1,14 +1,10 @@
-"""Covariances that are true where residuals are not as they should be."""
+"""Noise and covariances that are true where residuals are not as they should be."""
 
 import numpy as np
 import pytest
 
-from padstudio.vision.pose.covariance import (
-    TILES,
-    pose_covariance,
-    tiles_of,
-    with_picture_shift,
-)
+from padstudio.vision.pose.covariance import with_picture_shift
+from padstudio.vision.pose.noise_kernel import TILES, newton_share, noise_share, tiles_of
 
 COUNT = 4000
 
@@ -19,64 +15,55 @@ def sums_by_tile(rows, tile):
     return out
 
 
-def estimates(noise_of, draws=400, size=4):
-    """Errors of least squares and the covariances said of them, for a kind of noise."""
+def said_and_true(noise_of, most_alike=np.inf, draws=200):
+    """Mean of the noise that residuals are said to have, over that of least squares' errors."""
     rng = np.random.default_rng(12)
     xy = rng.uniform(0, 640, (COUNT, 2))
-    jacobian = rng.normal(size=(COUNT, size)) + (xy[:, :1] / 320 - 1)
-    tile = tiles_of(xy)
-    normal = jacobian.T @ jacobian
-    errors, said = [], []
+    jacobian = rng.normal(size=(COUNT, 6)) + (xy[:, :1] / 320 - 1)
+    tile, normal = tiles_of(xy), jacobian.T @ jacobian
+    said, true = [], []
     for _ in range(draws):
         noise = noise_of(rng, tile)
         error = np.linalg.solve(normal, jacobian.T @ noise)
-        left = noise - jacobian @ error
-        variance = float((left**2).mean())
-        scores = sums_by_tile(jacobian * (left / variance)[:, None], tile)
-        said.append(pose_covariance(normal / variance, scores, np.zeros((size, 0))))
-        errors.append(error)
-    return np.array(errors), np.array(said)
-
-
-def nees(errors, covariances):
-    return np.mean(
-        [e @ np.linalg.solve(p, e) / len(e) for e, p in zip(errors, covariances, strict=True)]
-    )
+        score = jacobian * (noise - jacobian @ error)[:, None]
+        scores = sums_by_tile(score, tile)
+        said.append(noise_share(normal, score.T @ score, scores, COUNT, most_alike))
+        true.append(error @ normal @ error / 6)
+    return np.mean(said), np.mean(true)
 
 
 def test_independent_residuals():
-    assert nees(*estimates(lambda rng, tile: rng.normal(0, 0.3, COUNT))) == pytest.approx(
-        1, abs=0.2
-    )
+    said, true = said_and_true(lambda rng, tile: rng.normal(0, 1.5, COUNT))
+    assert said == pytest.approx(true, rel=0.2)
+
+
+def shared(rng, tile):
+    """Noise that neighbours share."""
+    return rng.normal(0, 1.5, COUNT) + rng.normal(0, 1.0, TILES * TILES)[tile]
 
 
 def test_residuals_that_neighbours_share():
-    def noise(rng, tile):
-        return rng.normal(0, 0.3, COUNT) + rng.normal(0, 0.2, TILES * TILES)[tile]
-
-    errors, said = estimates(noise)
-    assert nees(errors, said) == pytest.approx(1, abs=0.35)
-    independent = np.cov(errors.T).trace() / np.mean([np.trace(p) for p in said])
-    assert independent == pytest.approx(1, abs=0.35)
-
-
-def test_what_is_not_measured_enters_along_its_own_direction():
-    normal = np.diag([4.0, 1.0])
-    pull = np.array([[0.0], [1.0]]) * 3.0
-    scores = np.zeros((64, 2))
-    found = pose_covariance(normal, scores, pull)
-    assert found[1, 1] == pytest.approx(9.0)
-    assert found[0, 0] == pytest.approx(0.5 / 4)
+    said, true = said_and_true(shared)
+    assert said == pytest.approx(true, rel=0.35)
+    assert said_and_true(shared, most_alike=1.3)[0] < said
 
 
 def test_units_do_not_matter():
     rng = np.random.default_rng(3)
-    a = rng.normal(size=(30, 3))
-    normal, scores, pull = a.T @ a, rng.normal(size=(64, 3)), rng.normal(size=(3, 2))
-    units = np.array([1.0, 1e4, 1e-5])
-    found = pose_covariance(normal, scores, pull)
-    scaled = pose_covariance(normal / np.outer(units, units), scores / units, pull / units[:, None])
-    np.testing.assert_allclose(scaled, found * np.outer(units, units), rtol=1e-6)
+    a = rng.normal(size=(30, 6))
+    normal, scores = a.T @ a, rng.normal(size=(64, 6))
+    units = np.array([1.0, 1e4, 1e-5, 1e3, 1.0, 1e-2])
+    found = noise_share(normal, normal, scores, 30, np.inf)
+    scaled = normal / np.outer(units, units)
+    assert noise_share(scaled, scaled, scores / units, 30, np.inf) == pytest.approx(found)
+
+
+def test_weights_that_fall_make_less_sure():
+    x = np.random.default_rng(4).normal(0, 0.3, 500)
+    weight, trust = 1 / (1 + x**2) ** 2, np.ones(500)
+    steep = ((1 - 3 * x**2) / (1 + x**2) ** 3).sum() / weight.sum()
+    assert newton_share(weight, trust) == pytest.approx(steep, rel=1e-6)
+    assert newton_share(np.full(10, 1e-3), np.ones(10)) == pytest.approx(0.3)
 
 
 def test_tiles_cover_the_points():

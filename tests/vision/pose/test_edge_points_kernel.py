@@ -17,8 +17,8 @@ def step_in(values, sign, at=30.0):
 
 def step_of(window, sign, at=30.0):
     profile = edge_points_kernel.Profile((at, 25.0), (6.0, 0.0), (0.0, 3.0))
-    values = np.empty(edge_points_kernel._STEPS)
-    return edge_points_kernel.find_step(window, profile, sign, values)
+    samples = np.empty((7, edge_points_kernel._SAMPLES))
+    return edge_points_kernel.find_step(window, profile, sign, samples)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -19,6 +19,8 @@ from padstudio.store.database.flight_tables import FlightRow, FrameBinRow, Frame
 
 #: Frames of a whole bin.
 BIN_FRAMES = 100
+# Bins that are fetched from the database at once.
+_AT_ONCE = 100
 
 Row = dict[str, Any]
 
@@ -118,34 +120,38 @@ def sum_up_again(session: Session, flight: int, first: int, last: int) -> None:
 
 def read_bins(
     session: Session, flight: FlightRow, first: int | None = None, last: int | None = None
-) -> Sequence[Any]:
+) -> Iterator[Any]:
     """The bins of a flight in order, or those that begin from `first` to `last`.
 
-    Returns
-    -------
-    sequence of rows
-        With the columns of `FrameBinRow`.
+    Yields
+    ------
+    row
+        With the columns of `FrameBinRow`. Whoever keeps ten thousand of them has Python's garbage
+        collector walk through all that they hold, which takes as long as to read them.
     """
     chosen = select(*FrameBinRow.__table__.c).where(FrameBinRow.flight == flight.key)
     if first is not None:
         chosen = chosen.where(FrameBinRow.first_frame >= first)
     if last is not None:
         chosen = chosen.where(FrameBinRow.first_frame <= last)
-    return session.execute(chosen.order_by(FrameBinRow.first_frame)).all()
+    chosen = chosen.order_by(FrameBinRow.first_frame).execution_options(yield_per=_AT_ONCE)
+    yield from session.execute(chosen)
 
 
-def counted(bins: Iterable[Any], name: str) -> dict[str, int]:
-    """Frames by ``layers``, ``stages`` or ``reasons``, the highest number first."""
-    total: dict[str, int] = {}
+def add_up(total: dict[str, int], counts: Mapping[str, int]) -> None:
+    """Add frames by ``layers``, ``stages`` or the like of a bin's body to those of others."""
     # A counter's own update takes three times as long for the few keys of a bin.
-    for row in bins:
-        for key, count in row.body[name].items():
-            total[key] = total.get(key, 0) + count
-    return dict(sorted(total.items(), key=lambda item: (-item[1], item[0])))
+    for key, count in counts.items():
+        total[key] = total.get(key, 0) + count
 
 
-def pose_gaps(bins: Iterable[Any]) -> Iterator[tuple[int | None, int | None]]:
+def pose_gaps(bins: Iterable[Sequence[int]]) -> Iterator[tuple[int | None, int | None]]:
     """Numbers of successive poses, of each bin only those farthest apart.
+
+    Parameters
+    ----------
+    bins : iterable of sequence of int
+        ``poses`` of successive bins.
 
     Yields
     ------
@@ -153,9 +159,9 @@ def pose_gaps(bins: Iterable[Any]) -> Iterator[tuple[int | None, int | None]]:
         None before the first pose and after the last one.
     """
     last: int | None = None
-    for row in bins:
-        if row.body["poses"]:
-            first, *inner, end = row.body["poses"]
+    for poses in bins:
+        if poses:
+            first, *inner, end = poses
             yield last, first
             if inner:
                 yield inner[0], inner[1]

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from sqlalchemy import ColumnElement, case, func, literal_column, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.results.answer_cache import KeptAnswers
-from padstudio.flights.results.bins import grid_of, read_bins
 from padstudio.flights.results.height_fit import choose_samples, compare_heights
 from padstudio.flights.results.rows import select_rows
+from padstudio.flights.results.timeline import ends_of, timeline_of
 from padstudio.geometry.pose import rotation_from_quaternion
 from padstudio.media.telemetry.columns import ON_FLIGHT_CLOCK, height_at
 from padstudio.store.database.flight_tables import FlightRow, FrameDetailRow, FrameRow
 from padstudio.vision.stage.trace import STAGES
-
-#: Outcomes of a column of the timeline, in the order of its lists: the layer of a pose, but
-#: ``bearing`` where only range and bearing can be used.
-OUTCOMES = ("red", "green", "blue", "outline", "failed", "bearing")
-_CHANNELS = ("red", "green", "blue")
 
 
 class FigureRows:
@@ -57,13 +52,14 @@ class FigureRows:
             hold a hundred frames or more, they begin and end at hundreds), and
             ``columns``: each ``column``, ``first_frame``, ``last_frame``, ``time_s``,
             ``z_min_mm``, ``z_max_mm`` (None without a pose), ``outcomes`` (frames, as
-            `OUTCOMES`), ``stages`` (failing stage: frames), ``failed_at`` (the same by channel;
-            empty in columns of a hundred frames or more). Columns without frames are left out.
+            `padstudio.flights.results.timeline.OUTCOMES`), ``stages`` (failing stage: frames),
+            ``failed_at`` (the same by channel; empty in columns of a hundred frames or more).
+            Columns without frames are left out.
         """
 
         def find_out() -> dict[str, Any]:
             with self._session() as session:
-                return _timeline(session, flight, columns, first, last)
+                return timeline_of(session, flight, columns, first, last)
 
         return self._kept.of(flight, ("timeline", columns, first, last), find_out)
 
@@ -103,160 +99,9 @@ class FigureRows:
         return self._kept.of(flight, ("figures", points, samples), find_out)
 
 
-def _timeline(
-    session: Session, flight: FlightRow, columns: int, first: int | None, last: int | None
-) -> dict[str, Any]:
-    ends = _ends(session, flight.key)
-    if ends is None:
-        return {"first_frame": 0, "last_frame": 0, "frames_per_column": 1, "columns": []}
-    start = ends[0] if first is None else first
-    stop = max(start, ends[1] if last is None else last)
-    width = -(-(stop - start + 1) // columns)
-    grid = grid_of(flight.request)
-    rows: Iterable[Any]
-    if width < grid.width:
-        # Whole strides, lest every other column be empty.
-        stride = int(flight.request.get("stride", 1))
-        width = -(-width // stride) * stride
-        rows = _rows_by_column(session, flight.key, start, stop, width)
-    else:
-        # Whole bins; a column that a bin begins in has all of it.
-        start = grid.start_of(start)
-        width = -(-(stop - start + 1) // columns)
-        width = -(-width // grid.width) * grid.width
-        rows = _bins_by_column(read_bins(session, flight, start, stop), start, width)
-        return _answer(start, stop, width, _merged(rows))
-    columns_ = _merged(rows)
-    _add_channels(session, flight.key, (start, stop, width), columns_)
-    return _answer(start, stop, width, columns_)
-
-
-def _answer(start: int, stop: int, width: int, columns: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
-        "first_frame": start,
-        "last_frame": stop,
-        "frames_per_column": width,
-        "columns": columns,
-    }
-
-
-def _add_channels(
-    session: Session, flight: int, part: tuple[int, int, int], columns: list[dict[str, Any]]
-) -> None:
-    """Say of each column at which stage each channel failed, in frames."""
-    start, stop, width = part
-    column = ((FrameRow.number - start) // width).label("column")
-    stages = [FrameDetailRow.body["failed_at"][name].as_string() for name in _CHANNELS]
-    found = session.execute(
-        select(column, *stages, func.count())
-        .join(
-            FrameDetailRow,
-            (FrameDetailRow.flight == FrameRow.flight) & (FrameDetailRow.number == FrameRow.number),
-        )
-        .where(
-            FrameRow.flight == flight,
-            FrameRow.status == "failed",
-            FrameRow.number.between(start, stop),
-        )
-        .group_by(column, *stages)
-    )
-    by_column = {entry["column"]: entry["failed_at"] for entry in columns}
-    for place, *named, count in found:
-        for name, stage in zip(_CHANNELS, named, strict=True):
-            if stage is not None:
-                counts = by_column[int(place)].setdefault(name, {})
-                counts[stage] = counts.get(stage, 0) + count
-
-
-def _rows_by_column(
-    session: Session, flight: int, start: int, stop: int, width: int
-) -> Sequence[Any]:
-    """As `_merged` takes, from the frames themselves."""
-    column = ((FrameRow.number - start) // width).label("column")
-    return session.execute(
-        select(
-            column,
-            _outcome(),
-            FrameRow.stage,
-            func.count(),
-            func.min(FrameRow.number),
-            func.max(FrameRow.number),
-            func.min(FrameRow.time_s),
-            func.min(FrameRow.z_mm),
-            func.max(FrameRow.z_mm),
-        )
-        .where(FrameRow.flight == flight, FrameRow.number.between(start, stop))
-        .group_by(column, _outcome(), FrameRow.stage)
-        .order_by(column)
-    ).all()
-
-
-def _outcome() -> ColumnElement[str | None]:
-    # No parameter, as databases tell what is grouped by only where it stands there word by word.
-    bearing: ColumnElement[str] = literal_column("'bearing'")
-    return case((FrameRow.quality == bearing, bearing), else_=FrameRow.layer)
-
-
-def _bins_by_column(bins: Iterable[Any], start: int, width: int) -> Iterator[tuple[Any, ...]]:
-    """As `_merged` takes, from bins: an entry for each outcome and for each failing stage."""
-    for row in bins:
-        column = (row.first_frame - start) // width
-        about = row.first_frame, row.last_frame, row.time_s, row.z_min_mm, row.z_max_mm
-        bearings = row.body["bearings"]
-        for layer, count in row.body["layers"].items():
-            yield column, layer, None, count - bearings.get(layer, 0), *about
-        yield column, "bearing", None, sum(bearings.values()), *about
-        for stage, count in row.body["stages"].items():
-            yield column, None, stage, count, *about
-
-
-def _ends(session: Session, flight: int) -> tuple[int, int] | None:
-    """The first and the last frame that have a result."""
-    # Each alone is looked up in the index; both in one question are sought among all frames.
-    first, last = (
-        session.scalar(select(end(FrameRow.number)).where(FrameRow.flight == flight))
-        for end in (func.min, func.max)
-    )
-    return None if first is None or last is None else (first, last)
-
-
-def _merged(rows: Iterable[Any]) -> list[dict[str, Any]]:
-    """One entry a column from one row a column, outcome and stage."""
-    merged: dict[int, dict[str, Any]] = {}
-    for column, outcome, stage, count, first, last, time_s, z_min, z_max in rows:
-        entry = merged.setdefault(
-            int(column),
-            {
-                "column": int(column),
-                "first_frame": first,
-                "last_frame": last,
-                "time_s": time_s,
-                "z_min_mm": None,
-                "z_max_mm": None,
-                "outcomes": [0] * len(OUTCOMES),
-                "stages": {},
-                "failed_at": {},
-            },
-        )
-        entry["outcomes"][OUTCOMES.index(outcome if outcome in OUTCOMES else "failed")] += count
-        if stage is not None:
-            entry["stages"][stage] = entry["stages"].get(stage, 0) + count
-        for name, value, better in (
-            ("first_frame", first, min),
-            ("last_frame", last, max),
-            ("time_s", time_s, min),
-            ("z_min_mm", z_min, min),
-            ("z_max_mm", z_max, max),
-        ):
-            if value is not None:
-                held = entry[name]
-                entry[name] = value if held is None else better(held, value)
-    return list(merged.values())
-
-
 def _trajectory(session: Session, flight: FlightRow, points: int) -> dict[str, list[Any]]:
     names = ("frame", "time_s", "x_mm", "y_mm", "z_mm", "quality")
-    ends = _ends(session, flight.key)
+    ends = ends_of(session, flight.key)
     if ends is None:
         return {name: [] for name in names}
     stride = int(flight.request.get("stride", 1))
@@ -299,7 +144,7 @@ def _details(bodies: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
 
 
 def _samples(session: Session, flight: FlightRow, count: int) -> list[dict[str, Any]]:
-    ends = _ends(session, flight.key)
+    ends = ends_of(session, flight.key)
     if ends is None:
         return []
     numbers = choose_samples(*ends, int(flight.request.get("stride", 1)), count)

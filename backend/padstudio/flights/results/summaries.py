@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session, sessionmaker
 
 from padstudio.flights.results.answer_cache import KeptAnswers
-from padstudio.flights.results.bins import counted, pose_gaps, read_bins
+from padstudio.flights.results.bins import add_up, pose_gaps, read_bins
 from padstudio.store.database.flight_tables import FlightRow, FrameRow
+
+
+class _Span(NamedTuple):
+    """What of a bin tells gaps; ``poses`` as in its body."""
+
+    first_frame: int
+    last_frame: int
+    poses: tuple[int, ...]
 
 
 class Summaries:
@@ -46,26 +54,37 @@ class Summaries:
 
 
 def _summary(session: Session, flight: FlightRow) -> dict[str, Any]:
-    bins = read_bins(session, flight)
-    frames, ok = sum(row.frames for row in bins), sum(row.ok for row in bins)
+    frames = ok = damaged = unknown = 0
+    counts: dict[str, dict[str, int]] = {
+        name: {} for name in ("stages", "reasons", "layers", "bearings")
+    }
+    spans: list[_Span] = []
+    for row in read_bins(session, flight):
+        body = row.body
+        frames, ok = frames + row.frames, ok + row.ok
+        damaged, unknown = damaged + body["damaged"], unknown + body["unknown"]
+        for name, total in counts.items():
+            add_up(total, body[name])
+        spans.append(_Span(row.first_frame, row.last_frame, tuple(body["poses"])))
+    bearing = sum(counts.pop("bearings").values())
     return {
         "frames": frames,
         "ok": ok,
         "share_ok": ok / frames if frames else None,
-        "qualities": _qualities(bins, ok),
-        "longest_gap": _longest_gap(session, flight, bins),
-        "damaged": sum(row.body["damaged"] for row in bins),
-        **{name: counted(bins, name) for name in ("stages", "reasons", "layers")},
+        "qualities": {"full": ok - bearing - unknown, "bearing": bearing, "unknown": unknown},
+        "longest_gap": _longest_gap(session, flight, spans),
+        "damaged": damaged,
+        **{name: _highest_first(total) for name, total in counts.items()},
     }
 
 
-def _qualities(bins: Sequence[Any], ok: int) -> dict[str, int]:
-    bearing = sum(counted(bins, "bearings").values())
-    unknown = sum(row.body["unknown"] for row in bins)
-    return {"full": ok - bearing - unknown, "bearing": bearing, "unknown": unknown}
+def _highest_first(counts: Mapping[str, int]) -> dict[str, int]:
+    return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
 
 
-def _longest_gap(session: Session, flight: FlightRow, bins: Sequence[Any]) -> dict[str, Any] | None:
+def _longest_gap(
+    session: Session, flight: FlightRow, spans: Sequence[_Span]
+) -> dict[str, Any] | None:
     """The longest run of frames without a pose, and the seconds between the poses around it.
 
     Frames that are not read yet are no gap, nor do gaps reach over them.
@@ -74,30 +93,30 @@ def _longest_gap(session: Session, flight: FlightRow, bins: Sequence[Any]) -> di
         # What lies between frames that were chosen is not known.
         return None
     stride = flight.request["stride"]
-    gaps = [_gap_in(session, flight, part) for part in _unbroken(bins, stride)]
+    gaps = [_gap_in(session, flight, part) for part in _unbroken(spans, stride)]
     return max(filter(None, gaps), key=lambda gap: int(gap["frames"]), default=None)
 
 
-def _unbroken(bins: Sequence[Any], stride: int) -> Iterator[list[Any]]:
-    """The bins in parts between which frames are missing."""
-    part: list[Any] = []
-    for row in bins:
-        if part and row.first_frame != part[-1].last_frame + stride:
+def _unbroken(spans: Iterable[_Span], stride: int) -> Iterator[list[_Span]]:
+    """The spans in parts between which frames are missing."""
+    part: list[_Span] = []
+    for span in spans:
+        if part and span.first_frame != part[-1].last_frame + stride:
             yield part
             part = []
-        part.append(row)
+        part.append(span)
     if part:
         yield part
 
 
-def _gap_in(session: Session, flight: FlightRow, bins: Sequence[Any]) -> dict[str, Any] | None:
+def _gap_in(session: Session, flight: FlightRow, spans: Sequence[_Span]) -> dict[str, Any] | None:
     stride = flight.request["stride"]
-    ends = bins[0].first_frame, bins[-1].last_frame
+    ends = spans[0].first_frame, spans[-1].last_frame
     # Poses thought of just before the first frame and just after the last one.
     edges = ends[0] - stride, ends[1] + stride
     gaps = [
         (edges[0] if before is None else before, edges[1] if after is None else after)
-        for before, after in pose_gaps(bins)
+        for before, after in pose_gaps(span.poses for span in spans)
     ]
     start, end = max(gaps, key=lambda gap: gap[1] - gap[0])
     frames = (end - start) // stride - 1

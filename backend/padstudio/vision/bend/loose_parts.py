@@ -21,10 +21,10 @@ from padstudio.pad.spec import Layer
 from padstudio.vision.bend.parts import Answer, Shifted, stretch_of
 from padstudio.vision.bend.parts_kernel import without_shifts
 from padstudio.vision.frame.pyramid import Window
-from padstudio.vision.pose.covariance import newton_share, noise_share
 from padstudio.vision.pose.edge_points import EdgeFinder, EdgePoints, measurable_borders
 from padstudio.vision.pose.edge_points_kernel import Borders
 from padstudio.vision.pose.least_squares import Fit, bounds_of
+from padstudio.vision.pose.noise_kernel import newton_share, noise_share
 from padstudio.vision.pose.pose_posterior import Explained
 from padstudio.vision.pose.row_motion import MotionBounds
 from padstudio.vision.refine.refiner import Refiner

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
-from padstudio.vision.frame.pixels_kernel import between
+from padstudio.vision.frame.pixels_kernel import value_at
 from padstudio.vision.frame.pyramid import Window
 
 # So many lines of cells tell how wide they are; a median needs no more.
@@ -56,22 +56,12 @@ def locate(
 @fast_jit
 def sample(window: Window, xy: Array, seen: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Values (R, C) of a window between its pixels at frame pixels (R, C, 2), 0 where not seen."""
-    h, w = len(window.values), window.width
-    # Not the colours' own shape: their rows may hold more than the picture.
-    rows, cols = math.ceil(window.scale * h), math.ceil(window.scale * w)
-    out = np.zeros(seen.shape, np.float32)
+    out, scale = np.zeros(seen.shape, np.float32), 1 / window.pixel
     for r in range(seen.shape[0]):
         for c in range(seen.shape[1]):
             if seen[r, c]:
-                x = min(max((xy[r, c, 0] + 0.5) / window.pixel - 0.5, 0.0), w - 1.001)
-                y = min(max((xy[r, c, 1] + 0.5) / window.pixel - 0.5, 0.0), h - 1.001)
-                value = between(window.values, window.step, window.first, x, y)
-                value = window.gain * value + window.black
-                if window.weight:
-                    x = min(max(window.scale * x + window.shift, 0.0), cols - 1.001)
-                    y = min(max(window.scale * y + window.shift, 0.0), rows - 1.001)
-                    value += window.weight * between(window.colours, 1, 0, x, y)
-                out[r, c] = value
+                column, row = (xy[r, c, 0] + 0.5) * scale - 0.5, (xy[r, c, 1] + 0.5) * scale - 0.5
+                out[r, c] = value_at(window, column, row)
     return out
 
 
@@ -134,13 +124,14 @@ def spread(nodes: Array, every: int, shape: tuple[int, int]) -> Array:
     for r in range(shape[0]):
         fr, i = (r % every) / every, r // every
         below = min(i + 1, len(nodes) - 1)
-        for c in range(shape[1]):
-            fc, k = (c % every) / every, c // every
+        for k in range(nodes.shape[1]):
             right = min(k + 1, nodes.shape[1] - 1)
-            for axis in range(2):
-                top = nodes[i, k, axis] * (1 - fc) + nodes[i, right, axis] * fc
-                low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
-                out[r, c, axis] = top * (1 - fr) + low * fr
+            for c in range(k * every, min((k + 1) * every, shape[1])):
+                fc = (c - k * every) / every
+                for axis in range(2):
+                    top = nodes[i, k, axis] * (1 - fc) + nodes[i, right, axis] * fc
+                    low = nodes[below, k, axis] * (1 - fc) + nodes[below, right, axis] * fc
+                    out[r, c, axis] = top * (1 - fr) + low * fr
     return out
 
 

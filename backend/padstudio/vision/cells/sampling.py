@@ -107,7 +107,8 @@ def read_cells(
     # Between a few of many cells the picture of a plane bends by a small part of a cell.
     every = 1 if shape[0] * shape[1] < _MANY else _EVERY
     c, r = (np.arange(0, count + every - 1, every) + 0.5 for count in (shape[1], shape[0]))
-    nodes = np.stack(np.meshgrid(columns[0] + c, rows[0] + r), axis=-1)
+    nodes = np.empty((len(r), len(c), 2))
+    nodes[..., 0], nodes[..., 1] = columns[0] + c, (rows[0] + r)[:, None]
     nodes = to_pixels(nodes.reshape(-1, 2)).reshape(nodes.shape)
     xy, seen, width = cells_kernel.locate(nodes, every, shape, (pyramid.width, pyramid.height))
     if not seen.any():

@@ -36,7 +36,8 @@ def visible_range(
     )
     if not low[0] <= high[0]:
         return (0, 0), (0, 0)
-    first, last = lattice_of(pad, layer, np.array([[low[0], high[1]], [high[0], low[1]]]))
+    corners = lattice_of(pad, layer, np.array([[low[0], high[1]], [high[0], low[1]]]))
+    first, last = corners.tolist()
     return _span(first[1], last[1], layer.rows), _span(first[0], last[0], layer.cols)
 
 

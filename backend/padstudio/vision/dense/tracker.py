@@ -321,7 +321,7 @@ def _apparent(pose: Pose, shift_mm: Array, rotvec: Array) -> Array:
 
     Sideways motion and turns look alike there, and their sum is what a frame shows best.
     """
-    forward = pose.rotation[:, 2]
-    depth = -pose.position_mm[2] / min(forward[2], -1e-3)
-    sideways = pose.rotation.T @ shift_mm / depth
-    return np.array([-sideways[0] - rotvec[1], -sideways[1] + rotvec[0]])
+    depth = -pose.position_mm[2] / min(pose.rotation[2, 2], -1e-3)
+    across, along, _ = (shift_mm @ pose.rotation / depth).tolist()
+    about_x, about_y, _ = rotvec.tolist()
+    return np.array([-across - about_y, about_x - along])

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from padstudio.compiled import fast_jit, jit
+from padstudio.arrays import Array
+from padstudio.compiled import fast_inlined_jit, fast_jit, jit
 from padstudio.vision.frame.pyramid import Window
 
 
-@fast_jit
+@fast_inlined_jit
 def between(values: NDArray[np.uint8], step: int, first: int, x: float, y: float) -> float:
     """Value between four pixels, of one channel as of `padstudio.vision.frame.pyramid.Window`.
 
@@ -23,6 +26,30 @@ def between(values: NDArray[np.uint8], step: int, first: int, x: float, y: float
     a, b = float(values[here, left]), float(values[below, left])
     top = a + fx * (values[here, right] - a)
     return float(top + fy * (b + fx * (values[below, right] - b) - top))
+
+
+@fast_inlined_jit
+def value_at(window: Window, column: float, row: float) -> float:
+    """Grey value of a window between its pixels; beyond its rim the rim's."""
+    h, w = len(window.values), window.width
+    x, y = min(max(column, 0.0), w - 1.001), min(max(row, 0.0), h - 1.001)
+    value = window.gain * between(window.values, window.step, window.first, x, y) + window.black
+    if window.weight:
+        # Not the colours' own shape: their rows may hold more than the picture.
+        across, down = math.ceil(window.scale * w), math.ceil(window.scale * h)
+        x = min(max(window.scale * x + window.shift, 0.0), across - 1.001)
+        y = min(max(window.scale * y + window.shift, 0.0), down - 1.001)
+        value += window.weight * between(window.colours, 1, 0, x, y)
+    return value
+
+
+@fast_jit
+def values_at(window: Window, xy: Array) -> NDArray[np.float32]:
+    """Grey values (N,) of a window at some of its columns and rows (N, 2)."""
+    out = np.empty(len(xy), np.float32)
+    for i in range(len(xy)):
+        out[i] = value_at(window, xy[i, 0], xy[i, 1])
+    return out
 
 
 @fast_jit

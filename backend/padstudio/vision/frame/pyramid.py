@@ -174,11 +174,6 @@ class Pyramid:
         """Brightness at the frame's own scale, or the channel that is nearest to it."""
         return self.window("green", 0)
 
-    def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
-        """One channel's grey values (N,) at some of the frame's pixels (N, 2)."""
-        values = self.level(0)[xy[:, 1], xy[:, 0], BGR_INDEX[channel]]
-        return np.asarray(values, np.float32)
-
     def _part(self, level: int, box: Box) -> tuple[Image, int, int]:
         x0, y0 = box.x0 >> level, box.y0 >> level
         x1, y1 = -(-box.x1 >> level), -(-box.y1 >> level)

@@ -7,7 +7,6 @@ that. Making all of BGR first, and halving that, touches six times the bytes.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Image, Standard, YuvFrame
 from padstudio.pad.spec import Channel
@@ -76,15 +75,6 @@ class YuvPyramid(Pyramid):
         values = self._frame.y
         return Window(values, NO_COLOURS, self.width, 1.0, gain=gain, black=-gain * black)
 
-    def values_at(self, channel: Channel, xy: NDArray[np.intp]) -> NDArray[np.float32]:
-        """As of `Pyramid`."""
-        if channel == "green":
-            return super().values_at(channel, xy)
-        gain, black, weight = self._mixture(channel)
-        bright = self._frame.y[xy[:, 1], xy[:, 0]].astype(np.float32)
-        colour = _between(self._half(_COLOURS[channel], 0), xy, -(-self.width // 2))
-        return np.asarray(gain * bright + weight * colour + black, np.float32)
-
     def _mixture(self, channel: Channel) -> tuple[float, float, float]:
         """Grey values of a channel per unit of brightness, at black, and per unit of its colour."""
         frame = self._frame
@@ -104,14 +94,3 @@ class YuvPyramid(Pyramid):
                 break
             made.append(pixels_kernel.halved(made[-1], width))
         return made[times]
-
-
-def _between(colours: Image, xy: NDArray[np.intp], width: int) -> NDArray[np.float32]:
-    """Colours (N,) at pixels (N, 2) of the frame: each lies between four, half a pixel beside the
-    nearest one."""
-    last = np.array([width, len(colours)]) - 1
-    near = np.minimum(xy // 2, last)
-    (x, y), (beside, below) = near.T, np.clip(near + 2 * (xy % 2) - 1, 0, last).T
-    nine = colours[y, x] * np.float32(9)
-    threes = colours[y, beside] * np.float32(3) + colours[below, x] * np.float32(3)
-    return np.asarray((nine + threes + colours[below, beside]) / np.float32(16))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,9 +31,10 @@ class Measurement:
     @property
     def is_usable(self) -> bool:
         """False where it holds what no filter can reckon with."""
-        spread = np.diag(self.covariance)
         numbers = (self.pose.position_mm, self.pose.rotation, self.covariance)
-        return bool(all(np.isfinite(part).all() for part in numbers) and (spread > 0).all())
+        # What is not finite in a part is not in its sum of squares, either.
+        finite = all(math.isfinite(float(np.vdot(part, part))) for part in numbers)
+        return finite and bool((self.covariance.diagonal() > 0).all())
 
     @property
     def seen(self) -> tuple[Array, Array, Array]:

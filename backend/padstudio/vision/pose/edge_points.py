@@ -96,9 +96,10 @@ class EdgePoints:
 
     def seen_by(self, camera: Camera) -> Sightings:
         """As least squares take them."""
-        borders, rays = self.borders, camera.normalize(self.xy)
-        # A pixel at a wide lens's rim is a long way on the plane z = 1, and errs by as much.
-        weight = self.weight * camera.sharpness(self.xy, rays) ** 2
+        borders, rays, weight = self.borders, camera.normalize(self.xy), self.weight
+        if camera.distorted:
+            # A pixel at a wide lens's rim is a long way on the plane z = 1, and errs by as much.
+            weight = weight * camera.sharpness(self.xy, rays) ** 2
         row_time = row_times(camera, self.xy[:, 1])
         return Sightings(borders.points_mm, borders.along_mm, rays, row_time, weight)
 
@@ -156,20 +157,14 @@ def measurable_borders(
     borders = visible_borders(pad, layer, camera, pose, most)
     if not len(borders.step):
         return borders, 0.0
-    width_px = _widths_px(borders.thinned(_TELLING), camera, pose)
-    if width_px.min() < least_px:
-        every = _widths_px(borders, camera, pose)
+    projector = pose.projector(camera)
+    width_px, narrowest_px = edge_points_kernel.telling_width(borders, projector, _TELLING)
+    if narrowest_px < least_px:
+        every = edge_points_kernel.widths_px(borders, projector, 1)
         wide = np.flatnonzero(every >= least_px)
         if len(wide) >= LEAST_BORDERS:
-            borders, width_px = borders.take(wide), every[wide]
-    return borders, float(np.median(width_px))
-
-
-def _widths_px(borders: Borders, camera: Camera, pose: MovingPose) -> Array:
-    """Widths of the cells at borders, (N,); 0 beyond the horizon."""
-    step = pose.project(camera, borders.points_mm + 0.05 * borders.across_mm)
-    step -= pose.project(camera, borders.points_mm)
-    return np.asarray(np.nan_to_num(20 * np.hypot(step[:, 0], step[:, 1])))
+            borders, width_px = borders.take(wide), float(np.median(every[wide]))
+    return borders, width_px
 
 
 def find_edge_points(

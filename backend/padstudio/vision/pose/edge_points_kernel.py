@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from padstudio.arrays import Array
-from padstudio.compiled import fast_jit
+from padstudio.compiled import fast_inlined_jit, fast_jit
 from padstudio.geometry.projection import Projector, picture, seen_at
-from padstudio.vision.frame.pixels_kernel import between
 from padstudio.vision.frame.pyramid import Window
 
 # Samples of a profile, a pixel apart at the reach that the refiner asks for, and the lines side by
 # side that it is averaged over.
 _STEPS, _BESIDE_LINES = 13, 3
+_SAMPLES = _STEPS * _BESIDE_LINES
 # How often a profile is averaged with its neighbours, 1 : 2 : 1; together as by a Gaussian of 1.2
 # samples, below which sharp steps are drawn to the pixels.
 _SMOOTHINGS = 3
@@ -111,25 +111,45 @@ class Profile(NamedTuple):
     side: tuple[float, float]
 
 
-@fast_jit
+@fast_inlined_jit
 def add_profile(
-    out: Array, profile: Profile, values: NDArray[np.uint8], step: int, first: int, gain: float
+    samples: Array, profile: Profile, values: NDArray[np.uint8], step: int, first: int, gain: float
 ) -> None:
-    """Add the values along a profile, averaged over lines side by side, times a gain."""
+    """Add the values along a profile, averaged over lines side by side, times a gain.
+
+    Loops of one result each go through vector registers; ``samples`` is as of `find_step`.
+    """
     at, reach, side = profile.at, profile.reach, profile.side
-    gain /= _BESIDE_LINES
-    for k in range(_STEPS):
-        t = -1 + 2 * k / (_STEPS - 1)
-        for b in range(_BESIDE_LINES):
-            f = (b - 1) / (_BESIDE_LINES - 1)
-            x = at[0] + f * side[0] + t * reach[0]
-            y = at[1] + f * side[1] + t * reach[1]
-            out[k] += gain * between(values, step, first, x, y)
+    out, x, y = samples[0], samples[1], samples[2]
+    here, right, below, beyond = samples[3], samples[4], samples[5], samples[6]
+    for b in range(_BESIDE_LINES):
+        f = (b - 1) / (_BESIDE_LINES - 1)
+        for k in range(_STEPS):
+            x[b * _STEPS + k] = at[0] + f * side[0] + (-1 + 2 * k / (_STEPS - 1)) * reach[0]
+        for k in range(_STEPS):
+            y[b * _STEPS + k] = at[1] + f * side[1] + (-1 + 2 * k / (_STEPS - 1)) * reach[1]
+    for j in range(_SAMPLES):
+        column, row = int(x[j]), int(y[j])
+        x[j], y[j] = x[j] - column, y[j] - row
+        # Unsigned places are not looked up from the end, which would be asked for at each of them.
+        c, r = np.uintp(column * step + first), np.uintp(row)
+        next_c, next_r = np.uintp(column * step + first + step), np.uintp(row + 1)
+        here[j], right[j] = values[r, c], values[r, next_c]
+        below[j], beyond[j] = values[next_r, c], values[next_r, next_c]
+    for j in range(_SAMPLES):
+        here[j] += x[j] * (right[j] - here[j])
+    for j in range(_SAMPLES):
+        below[j] += x[j] * (beyond[j] - below[j])
+    for j in range(_SAMPLES):
+        here[j] += y[j] * (below[j] - here[j])
+    for b in range(_BESIDE_LINES):
+        for k in range(_STEPS):
+            out[k] += gain / _BESIDE_LINES * here[b * _STEPS + k]
 
 
-@fast_jit
+@fast_inlined_jit
 def find_step(
-    window: Window, profile: Profile, sign: float, values: Array
+    window: Window, profile: Profile, sign: float, samples: Array
 ) -> tuple[float, float, float, float]:
     """Where along a profile a step lies and the variance of its width, in units of its reach; its
     rise, and all slope spent.
@@ -137,17 +157,19 @@ def find_step(
     The width is that of a Gaussian with the same spread of squared slopes, which noise hardly
     touches; a profile's smoothing is in it.
 
-    The profile and the lines beside it must lie within the picture; ``values`` (_STEPS,) is
-    overwritten.
+    The profile and the lines beside it must lie within the picture; ``samples`` is room for them,
+    (7, `_SAMPLES`), the profile's values in its first row.
     """
-    values[:] = 0.0
-    add_profile(values, profile, window.values, window.step, window.first, window.gain)
+    values = samples[0]
+    for k in range(_STEPS):
+        values[k] = 0.0
+    add_profile(samples, profile, window.values, window.step, window.first, window.gain)
     if window.weight:
         f, (x, y) = window.scale, profile.at
         reach = (f * profile.reach[0], f * profile.reach[1])
         side = (f * profile.side[0], f * profile.side[1])
         coarse = Profile((f * x + window.shift, f * y + window.shift), reach, side)
-        add_profile(values, coarse, window.colours, 1, 0, window.weight)
+        add_profile(samples, coarse, window.colours, 1, 0, window.weight)
     for _ in range(_SMOOTHINGS):
         before = values[0]
         for k in range(1, _STEPS - 1):
@@ -201,7 +223,7 @@ def find_borders(
     which, off = np.empty(len(points), np.intp), np.empty(len(points))
     blur = np.empty(len(points))
     xy, weight, normals = np.empty((len(points), 2)), np.empty(len(points)), np.empty_like(points)
-    found, pixel, values = 0, window.pixel, np.empty(_STEPS)
+    found, pixel, samples = 0, window.pixel, np.empty((7, _SAMPLES))
     for i in range(len(points)):
         at = (points[i, 0], points[i, 1], points[i, 2])
         px, py, s = seen_at(*at, camera)
@@ -224,7 +246,7 @@ def find_borders(
                 (_BESIDE * tx / pixel, _BESIDE * ty / pixel),
             ),
             1.0 if step[i] > 0 else -1.0,
-            values,
+            samples,
         )
         clean = min(1.0, max(0.0, 2 * rise / max(spent, 1e-9) - 1))
         trust = clean * clean * min(1.0, rise / _CLEAR_STEP)
@@ -240,6 +262,28 @@ def find_borders(
         xy[k, 0] += off[k] * normals[k, 0]
         xy[k, 1] += off[k] * normals[k, 1]
     return which, xy[:found], weight[:found], blur[:found]
+
+
+@fast_jit
+def widths_px(borders: Borders, camera: Projector, stride: int) -> Array:
+    """Widths of the cells at each so manieth border, frame pixels; 0 beyond the horizon."""
+    points, across = borders.points_mm, borders.across_mm
+    out = np.empty(-(-len(points) // stride))
+    for k in range(len(out)):
+        i = k * stride
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        px, py, _ = seen_at(x, y, z, camera)
+        qx, qy, _ = seen_at(x + 0.05 * across[i, 0], y + 0.05 * across[i, 1], z, camera)
+        width = 20 * math.hypot(qx - px, qy - py)
+        out[k] = 0.0 if math.isnan(width) else width
+    return out
+
+
+@fast_jit
+def telling_width(borders: Borders, camera: Projector, most: int) -> tuple[float, float]:
+    """Median and least of `widths_px` at so many borders."""
+    width = widths_px(borders, camera, -(-len(borders.step) // most))
+    return float(np.median(width)), width.min()
 
 
 @fast_jit

@@ -30,7 +30,6 @@ from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.rolling_shutter import KnownMotion, MovingPose
 from padstudio.vision.pose import least_squares_kernel
-from padstudio.vision.pose.covariance import pose_covariance
 from padstudio.vision.pose.edge_points import LEAST_BORDERS, EdgePoints
 from padstudio.vision.pose.pose_posterior import Explained, explain_edges
 from padstudio.vision.pose.row_motion import MotionBounds
@@ -41,11 +40,6 @@ from padstudio.vision.pose.row_motion import MotionBounds
 _SHIFT_SIGMA, _CLIMB_SIGMA, _TURN_SIGMA = 0.005, 0.0005, 0.004
 # A known motion is held to this many times more tightly, in variances.
 _KNOWN_MOTION = 4.0
-# What a change of height may really be where nobody knows, for the covariance: a third of the
-# height a second, in 25 ms.
-_CLIMB_CONSIDERED = 0.008
-# Where the change of height stands among the parameters.
-_CLIMB = 8
 # The moving model must lower the sum of squares by this many variances. Six parameters more lower
 # it by chance by χ² of six degrees of freedom: six on average, 40 once in two million.
 _MOTION_GAIN = 40.0
@@ -161,20 +155,15 @@ def fit_pose(
     found = least_squares_kernel.fit(
         seen, begin.state, prior.weight, prior.expected, camera.focal_px, iterations
     )
-    residual = found.rows[:, 0]
-    inliers = np.abs(residual) < 4 * found.sigma
-    if not found.solved or not np.isfinite(residual).all() or inliers.sum() < _LEAST_INLIERS:
+    if not found.solved or np.count_nonzero(found.inliers) < _LEAST_INLIERS:
         return None
-    trust = seen.weight[inliers]
-    rms = float(np.sqrt((trust * residual[inliers] ** 2).sum() / trust.sum()))
-
     settled = MovingPose.of(found.pose)
 
     def explain() -> Explained:
         bounds = bounds_of(settled, model, edge_points.pixel)
-        return explain_edges(settled, edge_points, (found, seen), camera, bounds)
+        return explain_edges(settled, edge_points, (found.rows, seen), camera, bounds)
 
-    return Fit(settled, rms, inliers, explain)
+    return Fit(settled, found.rms, found.inliers, explain)
 
 
 def bounds_of(pose: MovingPose, model: MotionModel, pixel: float) -> MotionBounds:
@@ -217,17 +206,10 @@ class MotionPrior:
     weight : (6,) or (12,) float64
         Inverse variances of the parameters.
     expected : (6,) or (12,) float64
-    climb_sigma : float
-        What the change of height may really be off by, mm. Change of height looks like tilt, so
-        the pose is found as if it were known, but it is no surer than that.
-    rolling : bool
-        As of `MotionModel`.
     """
 
     weight: Array
     expected: Array
-    climb_sigma: float
-    rolling: bool
 
     @classmethod
     def of(cls, start: MovingPose, model: MotionModel) -> MotionPrior:
@@ -241,29 +223,9 @@ class MotionPrior:
         if known is not None:
             weight *= _KNOWN_MOTION
             expected[6:9], expected[9:] = known.shift_mm, known.rotvec
-        climb_sigma = _CLIMB_CONSIDERED * height if known is None else known.climb_sigma_mm
-        return cls(weight[:size], expected[:size], climb_sigma, model.rolling)
+        return cls(weight[:size], expected[:size])
 
     def pull(self, pose: MovingPose) -> Array:
         """The prior's part of the right side of the normal equations."""
         now = np.concatenate([np.zeros(6), pose.shift_mm, pose.rotvec])[: len(self.weight)]
         return np.asarray(self.weight * (self.expected - now))
-
-    def covariance(self, normal: Array, scores: Array) -> Array:
-        """Covariance (6, 6) of the pose.
-
-        Parameters
-        ----------
-        normal : (12, 12) float64
-            Of the residuals alone, for a pose that changes.
-        scores : (T, 6) or (T, 12) float64
-            As of `padstudio.vision.pose.covariance.pose_covariance`.
-        """
-        size = len(self.weight)
-        pull = np.diag(np.sqrt(self.weight))
-        if size > _CLIMB:
-            pull[_CLIMB] *= max(1.0, self.climb_sigma * np.sqrt(self.weight[_CLIMB]))
-        elif self.rolling:
-            pull = np.column_stack([pull, normal[:size, _CLIMB] * self.climb_sigma])
-        inner = normal[:size, :size] + np.diag(self.weight)
-        return pose_covariance(inner, scores, pull)[:6, :6]

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.compiled import fast_jit
@@ -54,14 +55,17 @@ class Solution(NamedTuple):
     pose : PoseState
     rows : (N, 7) float64
         Residuals there, pixels, and their change with centre and attitude.
-    sigma : float
-        Their robust standard deviation at the last step.
+    inliers : (N,) bool
+        Residuals within four of the last step's robust standard deviations.
+    rms : float
+        Root mean square of those, as they are trusted, pixels.
     """
 
     solved: bool
     pose: PoseState
     rows: Array
-    sigma: float
+    inliers: NDArray[np.bool_]
+    rms: float
 
 
 @fast_jit
@@ -90,23 +94,29 @@ def linearize(seen: Sightings, pose: PoseState) -> Array:
 
 @fast_jit
 def normal_equations(rows: Array, row_time: Array, weight: Array, size: int) -> tuple[Array, Array]:
-    """Weighted normal matrix (size, size) and right side of linearized rows (N, 7)."""
-    normal, right, j = np.zeros((size, size)), np.zeros(size), np.empty(12)
+    """Weighted normal matrix (size, size) and right side of linearized rows (N, 7).
+
+    What a row says of a change within the frame is what it says of the pose, times its time: the
+    same products serve all blocks.
+    """
+    sums, pull = np.zeros((3, 6, 6)), np.zeros((2, 6))
     for i in range(len(rows)):
-        w = weight[i]
-        if w <= 0:
-            continue
-        for k in range(6):
-            j[k] = rows[i, 1 + k]
-            j[6 + k] = row_time[i] * j[k]
-        for a in range(size):
-            t = w * j[a]
-            right[a] += t * rows[i, 0]
+        w, s = weight[i], row_time[i]
+        for a in range(6):
+            t = w * rows[i, 1 + a]
+            ts = t * s
+            pull[0, a] += t * rows[i, 0]
+            pull[1, a] += ts * rows[i, 0]
             for b in range(a + 1):
-                normal[a, b] += t * j[b]
+                sums[0, a, b] += t * rows[i, 1 + b]
+                sums[1, a, b] += ts * rows[i, 1 + b]
+                sums[2, a, b] += s * ts * rows[i, 1 + b]
+    normal, right = np.empty((size, size)), np.empty(size)
     for a in range(size):
-        for b in range(a):
-            normal[b, a] = normal[a, b]
+        right[a] = pull[a // 6, a % 6]
+        for b in range(size):
+            first, last = min(a % 6, b % 6), max(a % 6, b % 6)
+            normal[a, b] = sums[a // 6 + b // 6, last, first]
     return normal, right
 
 
@@ -150,7 +160,7 @@ def fit(
             right[k] += prior[k] * (expected[k] - now)
         solved, step = solve(normal, right)
         if not solved:
-            return Solution(False, pose, rows, sigma)
+            return Solution(False, pose, rows, np.zeros(len(rows), np.bool_), 0.0)
         shift, rotvec = pose.shift, pose.rotvec
         if size == 12:
             shift, rotvec = shift + step[6:9], rotvec + step[9:]
@@ -159,4 +169,17 @@ def fit(
         rows = linearize(seen, pose) * focal_px
         if (step * right).sum() < _SETTLED:
             break
-    return Solution(True, pose, rows, sigma)
+    inliers = np.abs(rows[:, 0]) < 4 * sigma
+    solved = bool(np.isfinite(rows[:, 0]).all())
+    return Solution(solved, pose, rows, inliers, rms_of(rows, seen, inliers))
+
+
+@fast_jit
+def rms_of(rows: Array, seen: Sightings, inliers: NDArray[np.bool_]) -> float:
+    """Root mean square of residuals as they are trusted, of inliers alone."""
+    squares = total = 0.0
+    for i in range(len(rows)):
+        if inliers[i]:
+            squares += seen.weight[i] * rows[i, 0] * rows[i, 0]
+            total += seen.weight[i]
+    return math.sqrt(squares / max(total, 1e-12))

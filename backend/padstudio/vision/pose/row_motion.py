@@ -23,11 +23,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from padstudio.arrays import Array
-from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums, solve_with_priors
+from padstudio.vision.pose.drift_kernel import Drift, Priors, Rows, drifting, mixture, unrest
+from padstudio.vision.pose.row_motion_kernel import FEW_ROWS, STATIC
 
-#: Intervals of rows over what was measured; a vibration of four periods a frame needs as many over
-#: all of it.
-INTERVALS, FEW_INTERVALS = 16, 8
 # Sizes of a drift within the frame, radians, and shares of the height; the first is none.
 _DRIFTS = np.array([1e-6, 5e-5, 1.5e-4, 5e-4, 1.5e-3, 4e-3, 1e-2, 3e-2, 8e-2])
 _NO_DRIFT = 0.6
@@ -44,10 +42,9 @@ _DRIFT_BESIDE, _ROLL, _NUGGET = 4, 0.7, 1e-3
 # Squared shifts of single intervals over their variance from which a shaking is looked for; frames
 # at rest reach 1.4 once in ten.
 _SHAKEN = 1.7
-# Over less than such a share of the frame a shaking looks like tilt, and is always reckoned with.
-_FEW_ROWS = 0.5
-# Intervals that leave a direction of shift this much less sure than the other tell nothing.
-_ONE_SIDED = 50.0
+# A drift's standard deviations by its size: sideways and in height in heights, and of attitude.
+_SHAPE = np.array([1.0, 1.0, _CLIMB, 1.0, 1.0, _YAW])
+_BY_SIZE = _DRIFTS[:, None] * _SHAPE
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +82,19 @@ class MotionBounds:
         climb = _MOST_CLIMB_S * seconds * height_mm
         return cls(height_mm, np.zeros(6), climb, bias_px, rolling)
 
-    def drift_sigmas(self, sizes: Array) -> Array:
-        """Standard deviations (S, 6) of the drift about what is expected, at some sizes of it."""
-        turn = np.array([1.0, 1.0, _YAW])
-        climb = np.minimum(_CLIMB * sizes * self.height_mm, self.climb_mm)
-        sideways = sizes[:, None] * np.full(2, self.height_mm)
-        return np.hstack([sideways, climb[:, None], sizes[:, None] * turn])
+    @property
+    def drift_sigmas(self) -> Array:
+        """Standard deviations (S, 6) of the drift about what is expected, at all its sizes."""
+        sigma: Array = _BY_SIZE.copy()
+        sigma[:, :3] *= self.height_mm
+        sigma[:, 2] = np.minimum(sigma[:, 2], self.climb_mm)
+        return sigma
+
+    @property
+    def _priors(self) -> Priors:
+        if self.rolling:
+            return Priors(self.bias_px, self.drift_sigmas, _LOG_PRIOR)
+        return Priors(self.bias_px, np.zeros((1, 0)), np.zeros(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +134,6 @@ class _Posteriors:
     covariance: Array
 
     @classmethod
-    def of_few(cls, normal: Array, pull: Array, sigma: Array, log_prior: Array) -> _Posteriors:
-        """As `of`, of few unknowns: `padstudio.vision.pose.row_motion_kernel.solve_with_priors`."""
-        return cls(*solve_with_priors(normal, pull, sigma, log_prior))
-
-    @classmethod
     def of(cls, normal: Array, pull: Array, log_prior: Array) -> _Posteriors:
         """Solutions of normal equations (S, n, n) and what they make of their priors' weights."""
         unit = 1 / np.sqrt(np.einsum("sii->si", normal))
@@ -155,109 +154,37 @@ class _Posteriors:
 def drift_priors(bounds: MotionBounds) -> tuple[Array, Array]:
     """Standard deviations (S, 6) of sizes of a drift, and the logarithms (S,) of their priors."""
     some = slice(None if bounds.rolling else 1)
-    return bounds.drift_sigmas(_DRIFTS[some]), _LOG_PRIOR[some]
+    return bounds.drift_sigmas[some], _LOG_PRIOR[some]
 
 
-def intervals_over(first: float, last: float) -> tuple[float, float, int]:
-    """Where intervals of rows begin that cover some row times, their length and their number."""
-    count = INTERVALS if last - first > _FEW_ROWS else FEW_INTERVALS
-    return first - 1e-9, (last - first + 2e-9) / count, count
-
-
-def explain_rows(
-    sums: RowSums, first: float, width: float, motion: Array, bounds: MotionBounds
-) -> RowFit:
+def explain_rows(rows: Rows, motion: Array, bounds: MotionBounds) -> RowFit:
     """Solve for pose, biases and motion by the sums over rows.
 
     Parameters
     ----------
-    sums : RowSums
-        Scaled so that their inverse is a covariance.
-    first, width : float
-        Row time of the first interval's beginning, and its length.
+    rows : Rows
     motion : (6,) float64
         The drift about which the sums were made.
     bounds : MotionBounds
     """
-    count = sums.normal.shape[1]
-    normal, pull = _static(sums, bounds)
-    if not bounds.rolling:
-        still = _Posteriors.of_few(normal, pull, np.zeros((1, 0)), np.zeros(1))
-        return _mixed([still], bounds, count)
-    starts = first + width * np.arange(count, dtype=float)
-    away = motion - bounds.expected
-    normal, pull = _with_drift(normal, pull, sums, (starts, width), away)
-    drift = _drifting(normal, pull, bounds)
-    best = drift.mean[np.argmax(drift.log_weight)]
-    shaken = _unrest(sums, (starts, width), best, away) > _SHAKEN
-    if not shaken and width * count > _FEW_ROWS:
-        return _mixed([drift], bounds, count)
-    sway = _swaying((normal, pull), sums, (starts, width), away, bounds)
-    fit = replace(_mixed([drift, sway], bounds, count), shaken=shaken)
+    count, away = rows.sums.pull.shape[1], motion - bounds.expected
+    drift = drifting(rows, away, bounds._priors)
+    shaken = drift.unrest > _SHAKEN
+    if not bounds.rolling or (not shaken and rows.width * count > FEW_ROWS):
+        return _row_fit(drift.mixed.mean, drift.mixed.covariance, bounds, count)
+    sway = _swaying(drift, rows, away, bounds)
+    fit = replace(_mixed(drift, sway, bounds, count), shaken=shaken)
     whole = np.concatenate([fit.step, fit.motion - bounds.expected])
-    left = _unrest(sums, (starts, width), whole, away, fit.sway)
+    left = unrest(rows, whole, away, fit.sway)
     log_odds = float(sway.log_weight.max() - drift.log_weight.max())
     return replace(fit, covariance=fit.covariance * max(1.0, left), log_odds=log_odds)
 
 
-def _static(sums: RowSums, bounds: MotionBounds) -> tuple[Array, Array]:
-    normal = sums.normal[0].sum(axis=0)
-    normal[[6, 7], [6, 7]] += 1 / bounds.bias_px**2
-    return normal, sums.pull[0].sum(axis=0)
-
-
-def _with_drift(
-    normal: Array, pull: Array, sums: RowSums, rows: tuple[Array, float], away: Array
-) -> tuple[Array, Array]:
-    """Normal equations (14, 14) of the static parameters and the drift, without its prior."""
-    (starts, width), (m0, m1, m2), (g0, g1) = rows, sums.normal, sums.pull
-    at = starts[:, None, None]
-    once = (at * m0 + width * m1).sum(axis=0)[:, :6]
-    twice = (at * at * m0 + 2 * width * at * m1 + width * width * m2).sum(axis=0)[:6, :6]
-    whole = np.block([[normal, once], [once.T, twice]])
-    moved = (starts[:, None] * g0 + width * g1).sum(axis=0)[:6]
-    return whole, np.concatenate([pull, moved]) + whole[:, STATIC:] @ away
-
-
-def _drifting(normal: Array, pull: Array, bounds: MotionBounds) -> _Posteriors:
-    return _Posteriors.of_few(normal, pull, bounds.drift_sigmas(_DRIFTS), _LOG_PRIOR)
-
-
-def _unrest(
-    sums: RowSums, rows: tuple[Array, float], best: Array, away: Array, sway: Array | None = None
-) -> float:
-    """Squared shifts that single intervals still ask for, over their variance."""
-    starts, width = rows
-    drift = best[STATIC:] - away
-    left = sums.pull[0] - sums.normal[0] @ best[:STATIC]
-    moments = starts[:, None, None] * sums.normal[0] + width * sums.normal[1]
-    left = (left - moments[:, :, :6] @ drift)[:, 3:5]
-    if sway is not None:
-        m0, m1 = (sums.normal[k][:, 3:5, 3:6] for k in range(2))
-        left = left - np.einsum("kij,kj->ki", m0 - m1, sway[:-1])
-        left = left - np.einsum("kij,kj->ki", m1, sway[1:])
-    a, b, c = (sums.normal[0][:, i, j] for i, j in ((3, 3), (4, 4), (3, 4)))
-    middle, half = (a + b) / 2, np.sqrt((a - b) ** 2 / 4 + c * c)
-    tells = (middle > 0) & (middle + half < _ONE_SIDED * (middle - half))
-    a, b, c, (x, y) = a[tells], b[tells], c[tells], left[tells].T
-    squares = (b * x * x - 2 * c * x * y + a * y * y) / (a * b - c * c)
-    free = 2 * len(a) - 6
-    return float(squares.sum() / free) if free > 0 else 0.0
-
-
-def _swaying(
-    drifting: tuple[Array, Array],
-    sums: RowSums,
-    rows: tuple[Array, float],
-    away: Array,
-    bounds: MotionBounds,
-) -> _Posteriors:
+def _swaying(drift: Drift, rows: Rows, away: Array, bounds: MotionBounds) -> _Posteriors:
     """With a shaking besides, of several sizes and lengths."""
-    starts, width = rows
-    normal, pull = _with_sway(*drifting, sums, rows, away)
-    knots = starts[0] + width * np.arange(len(starts) + 1)
-    size = np.array([_DRIFTS[_DRIFT_BESIDE]])
-    sigma = bounds.drift_sigmas(size)[0]
+    normal, pull = _with_sway(drift, rows, away)
+    knots = rows.first + rows.width * np.arange(rows.sums.pull.shape[1] + 1)
+    sigma = bounds.drift_sigmas[_DRIFT_BESIDE]
     sigma[2] = bounds.climb_mm
     head = STATIC + 6
     normal[range(STATIC, head), range(STATIC, head)] += sigma**-2.0
@@ -276,29 +203,28 @@ def _swaying(
     return _Posteriors.of(np.stack(every), pull, np.array(priors) + share)
 
 
-def _with_sway(
-    normal: Array, pull: Array, sums: RowSums, rows: tuple[Array, float], away: Array
-) -> tuple[Array, Array]:
+def _with_sway(drift: Drift, rows: Rows, away: Array) -> tuple[Array, Array]:
     """Normal equations of static parameters, drift, and rotations at the intervals' ends, between
     which they go straight."""
-    (starts, width), (m0, m1, m2), (g0, g1) = rows, sums.normal, sums.pull
+    width, (m0, m1, m2), (g0, g1) = rows.width, rows.sums.normal, rows.sums.pull
+    starts = rows.first + width * np.arange(len(g0), dtype=float)
     head, turns = STATIC + 6, slice(3, 6)
     size = head + 3 * (len(starts) + 1)
     whole, right = np.zeros((size, size)), np.zeros(size)
-    whole[:head, :head], right[:head] = normal, pull
+    whole[:head, :head], right[:head] = drift.normal, drift.pull
     # What an interval's rotation at its beginning sees of static parameters and drift, and its end.
     before, after = m0 - m1, m1
     at = starts[:, None, None]
     moved = (at * before + width * (m1 - m2), at * after + width * m2)
     for k in range(len(starts)):
         here, there = (slice(head + 3 * n, head + 3 * n + 3) for n in (k, k + 1))
-        for place, seen, drift, asked in (
+        for place, seen, drifted, asked in (
             (here, before[k], moved[0][k], g0[k] - g1[k]),
             (there, after[k], moved[1][k], g1[k]),
         ):
             whole[:STATIC, place] += seen[:, turns]
-            whole[STATIC:head, place] += drift[:6, turns]
-            right[place] += asked[turns] + drift[turns, :6] @ away
+            whole[STATIC:head, place] += drifted[:6, turns]
+            right[place] += asked[turns] + drifted[turns, :6] @ away
         whole[here, here] += (m0[k] - 2 * m1[k] + m2[k])[turns, turns]
         whole[there, there] += m2[k][turns, turns]
         whole[here, there] += (m1[k] - m2[k])[turns, turns]
@@ -314,26 +240,23 @@ def _process(at: Array, length: float) -> tuple[Array, float]:
     return np.asarray(np.linalg.inv(values)), float(np.linalg.slogdet(values)[1])
 
 
-def _mixed(found: list[_Posteriors], bounds: MotionBounds, count: int) -> RowFit:
-    """Moments of the mixture of all answers."""
-    log_weight = np.concatenate([part.log_weight for part in found])
-    weight = np.exp(log_weight - log_weight.max())
-    weight /= weight.sum()
-    size = found[-1].mean.shape[1]
-    mean = np.zeros((len(weight), size))
-    covariance, first = np.zeros((6, 6)), 0
-    for part in found:
-        here = slice(first, first + len(part.mean))
-        mean[here, : part.mean.shape[1]] = part.mean
-        covariance += (weight[here] @ part.covariance.reshape(-1, 36)).reshape(6, 6)
-        first = here.stop
-    whole = weight @ mean
-    away = mean[:, :6] - whole[:6]
-    covariance += (away * weight[:, None]).T @ away
-    drift, sway = np.zeros(6), np.zeros((count + 1, 3))
-    if size > STATIC:
-        drift = whole[STATIC : STATIC + 6]
-    if size > STATIC + 6:
-        sway = whole[STATIC + 6 :].reshape(-1, 3)
-    motion = bounds.expected + drift
-    return RowFit(whole[:STATIC], covariance, motion, sway, shaken=len(found) > 1)
+def _mixed(drift: Drift, sway: _Posteriors, bounds: MotionBounds, count: int) -> RowFit:
+    """Moments of the mixture of all answers, with a shaking and without."""
+    still = np.zeros((len(drift.mean), sway.mean.shape[1]))
+    still[:, : drift.mean.shape[1]] = drift.mean
+    found = mixture(
+        np.concatenate([drift.log_weight, sway.log_weight]),
+        np.concatenate([still, sway.mean]),
+        np.concatenate([drift.covariance, sway.covariance]),
+    )
+    return _row_fit(found.mean, found.covariance, bounds, count)
+
+
+def _row_fit(mean: Array, covariance: Array, bounds: MotionBounds, count: int) -> RowFit:
+    """The fit whose parameters, as many as it has, are these."""
+    motion, sway = bounds.expected, np.zeros((count + 1, 3))
+    if len(mean) > STATIC:
+        motion = motion + mean[STATIC : STATIC + 6]
+    if len(mean) > STATIC + 6:
+        sway = mean[STATIC + 6 :].reshape(-1, 3)
+    return RowFit(mean[:STATIC], covariance, motion, sway, shaken=False)

@@ -14,6 +14,11 @@ from padstudio.compiled import fast_jit
 #: Parameters of a frame that stands still: centre, attitude, and how far steps of upright and of
 #: level borders seem to lie toward the dark.
 STATIC = 8
+#: Intervals of rows over what was measured; a vibration of four periods a frame needs as many over
+#: all of it.
+INTERVALS, FEW_INTERVALS = 16, 8
+#: Over less than such a share of the frame a shaking looks like tilt, and is always reckoned with.
+FEW_ROWS = 0.5
 
 
 class RowSums(NamedTuple):
@@ -42,6 +47,13 @@ class RowSums(NamedTuple):
         begin, change = sway[:-1, :, None], np.diff(sway, axis=0)[:, :, None]
         moved = [(turns[k] @ begin + turns[k + 1] @ change)[:, :, 0] for k in range(2)]
         return RowSums(self.normal, self.pull + np.stack(moved))
+
+
+@fast_jit
+def intervals_over(first: float, last: float) -> tuple[float, float, int]:
+    """Where intervals of rows begin that cover some row times, their length and their number."""
+    count = INTERVALS if last - first > FEW_ROWS else FEW_INTERVALS
+    return first - 1e-9, (last - first + 2e-9) / count, count
 
 
 @fast_jit

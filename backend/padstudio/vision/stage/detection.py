@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -31,41 +32,45 @@ class Uncertainty:
 
     Attributes
     ----------
+    pose : Pose
     position_sigma_mm : (3,) float64
         Along the pad's X, Y, Z.
     attitude_sigma_deg : (3,) float64
         About the camera's x, y, z.
     covariance : (6, 6) float64
-        Position (mm, pad frame) then attitude (radians, about the camera's axes).
-    range_sigma_mm : float
-        Of the distance from the camera to the pad's centre.
-    bearing_sigma_deg : float
-        Of the direction to the pad's centre in the camera frame, where it is least sure.
+        Position (mm, pad frame) then attitude (radians, about the camera's axes), with curvature
+        (`padstudio.geometry.curvature`).
     """
 
+    pose: Pose
     position_sigma_mm: Array
     attitude_sigma_deg: Array
     covariance: Array
-    range_sigma_mm: float
-    bearing_sigma_deg: float
 
     @classmethod
     def of(cls, pose: Pose, covariance: Array) -> Uncertainty:
-        """Standard deviations of a pose from its covariance.
+        """Standard deviations of a pose from its covariance."""
+        sigma = np.sqrt(np.maximum(covariance.diagonal(), 0.0))
+        return cls(pose, sigma[:3], np.degrees(sigma[3:]), covariance)
 
-        Range and bearing follow from its part of the first order: that poses which fit lie on an
-        arc about the pad makes a position less sure along the arc's radius, but not the range.
+    @cached_property
+    def _linear(self) -> Array:
+        """The covariance's part of the first order, from which range and bearing follow.
 
-        Parameters
-        ----------
-        pose : Pose
-        covariance : (6, 6) float64
-            With curvature (`padstudio.geometry.curvature`).
+        That poses which fit lie on an arc about the pad makes a position less sure along the arc's
+        radius, but not the range.
         """
-        sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        linear = without_curvature(covariance, pose)
-        ranges = range_sigma_mm(pose, linear), bearing_sigma_deg(pose, linear)
-        return cls(sigma[:3], np.degrees(sigma[3:]), covariance, *ranges)
+        return without_curvature(self.covariance, self.pose)
+
+    @cached_property
+    def range_sigma_mm(self) -> float:
+        """Of the distance from the camera to the pad's centre."""
+        return range_sigma_mm(self.pose, self._linear)
+
+    @cached_property
+    def bearing_sigma_deg(self) -> float:
+        """Of the direction to the pad's centre in the camera frame, where it is least sure."""
+        return bearing_sigma_deg(self.pose, self._linear)
 
     def quality_at(self, range_mm: float) -> Quality:
         """As of `padstudio.geometry.range_bearing.quality_of`, of a pose at that range."""

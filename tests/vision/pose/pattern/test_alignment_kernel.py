@@ -7,8 +7,13 @@ import pytest
 from dense_frames import random_pose, seen_by
 
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.vision.pose.pattern import alignment_kernel
-from padstudio.vision.pose.pattern.alignment_kernel import Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern import (
+    alignment_kernel,
+    block_kernel,
+    elimination_kernel,
+    template_kernel,
+)
+from padstudio.vision.pose.pattern.block_kernel import Brightness, Pixels, Texture
 
 
 def moving_pose(seed):
@@ -18,25 +23,40 @@ def moving_pose(seed):
 
 
 def meet(pose, ray, s):
-    out = np.empty((2, 7))
-    alignment_kernel.meet_pad(ray, s, pose.state, out)
-    return out
+    """Where a ray meets the pad, and how that moves with the pose (2, 6)."""
+    block = block_kernel.room(6, 1)
+    pixels = Pixels(
+        ray[:, None].copy(),
+        np.array([s]),
+        np.ones((6, 1)),
+        np.zeros(1, int),
+        np.zeros((1, 1), np.float32),
+    )
+    block_kernel.meet_pad(block, pixels, (0, 1), pose.state)
+    at = block.at[:, 0].copy()
+    moves = []
+    for slopes in ([1.0, 0.0], [0.0, 1.0]):
+        block.rows[:], block.slopes[:, 0] = 1.0, slopes
+        known = np.array([0.0] * 6 + [1.0, 0.0, 0.0])
+        alignment_kernel.pose_jacobian(block, known, pixels, (0, 1), pose.state.rotation)
+        moves.append(block.rows[:6, 0].copy())
+    return at, np.array(moves)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_points_on_the_pad_move_with_the_pose_as_said(seed):
     pose, rng = moving_pose(seed)
     ray, s = np.array([*rng.uniform(-0.2, 0.2, 2), 1.0]), rng.uniform(-0.5, 0.5)
-    met = meet(pose, ray, s)
-    seen = seen_by(pose, np.array([[*met[:, 0], 0.0]]), s)[0]
+    at, moves = meet(pose, ray, s)
+    seen = seen_by(pose, np.array([[*at, 0.0]]), s)[0]
     np.testing.assert_allclose(seen[:2] / seen[2], ray[:2], atol=2e-5)
     for k, size in enumerate([1e-2] * 3 + [1e-5] * 3):
         step = np.zeros(6)
         step[k] = size
         # A turn within the frame is small, so that the kernel leaves out its product with a turn.
-        after, before = (meet(pose.moved(sign * step), ray, s)[:, 0] for sign in (1, -1))
+        after, before = (meet(pose.moved(sign * step), ray, s)[0] for sign in (1, -1))
         there = (after - before) / (2 * size)
-        np.testing.assert_allclose(met[:, 1 + k], there, atol=2e-2 * np.abs(there).max() + 1e-6)
+        np.testing.assert_allclose(moves[:, k], there, atol=2e-2 * np.abs(there).max() + 1e-6)
 
 
 def test_blurred_cells_are_cells_through_a_gaussian():
@@ -44,7 +64,7 @@ def test_blurred_cells_are_cells_through_a_gaussian():
     cells = rng.integers(0, 2, (12, 3)).astype(np.float32)
     fine = np.repeat(cells, 700, axis=0)
     found = np.zeros((84, 3), np.float32)
-    alignment_kernel.blurred_cells(cells, 7.0, 1.6, found)
+    template_kernel.blurred_cells(cells, 7.0, 1.6, found)
     at = (np.arange(len(fine)) + 0.5) / 100
     for y in (10, 30, 41, 70):
         weight = np.exp(-((at - y - 0.5) ** 2) / (2 * 1.6**2)) / (1.6 * math.sqrt(2 * math.pi))
@@ -60,10 +80,10 @@ def equations(pose, shift_brightness, size, scale=0.0, seed=0, tiles=4):
     known = rng.normal(0, 20, (2, 12))
     known[0] += shift_brightness
     pixels = Pixels(
-        rays,
+        rays.T.copy(),
         rng.uniform(-0.5, 0.5, n),
-        np.column_stack([np.ones(n), rng.uniform(-1, 1, (n, 5))]),
-        rng.integers(0, 4, n) % tiles,
+        np.column_stack([np.ones(n), rng.uniform(-1, 1, (n, 5))]).T.copy(),
+        rng.integers(0, 4, n) % max(tiles, 1),
         rng.uniform(0, 255, (2, n)).astype(np.float32),
     )
     texture = Texture(layers, np.array([45.0, 0.05, 45.0, -0.05]))
@@ -121,6 +141,9 @@ def test_one_tile_is_the_sum_of_all():
         np.abs(apart.right.sum(axis=1) - together.right[:, 0]), 1e-12 * largest
     )
     np.testing.assert_allclose(apart.normal, together.normal)
+    alone = equations(pose, np.zeros(12), 12, scale=30.0, tiles=0)
+    np.testing.assert_array_equal(alone.right, together.right)
+    assert not alone.normal.any()
 
 
 @pytest.mark.parametrize("size", [0, 6, 12])
@@ -129,7 +152,7 @@ def test_without_brightness_the_pose_has_the_same_solution(size):
     rows = rng.normal(size=(200, size + 5))
     rows[:, -1] = 0.0  # a term of which the picture says nothing
     normal, right = rows.T @ rows, rows.T @ rng.normal(size=200)
-    inner, pull, shared, change = alignment_kernel.without_brightness(
+    inner, pull, shared, change = elimination_kernel.without_brightness(
         np.tril(normal), right, size, 1e-9
     )
     whole = np.linalg.lstsq(normal, right, rcond=None)[0]

@@ -15,7 +15,7 @@ from padstudio.simulate.vibration import Vibration
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.least_squares import MOVING, STILL
 from padstudio.vision.pose.pattern.image_alignment import Match
-from padstudio.vision.pose.pattern.solver import stretched
+from padstudio.vision.pose.pattern.solver_kernel import stretched
 
 CAMERA = small_camera()
 

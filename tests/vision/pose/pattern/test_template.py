@@ -51,7 +51,7 @@ def test_pixels_show_the_pad_and_nothing_beyond_its_rim():
     pyramid = Pyramid(frame_of(pose, camera=CAMERA))
     pixels = pixels_of(pyramid, CAMERA, sample_pad(), MovingPose(pose), 16_000)
     assert pixels is not None
-    assert np.abs(on_pad(pose, pixels.rays)).max() < 625
+    assert np.abs(on_pad(pose, pixels.rays.T)).max() < 625
     assert pixels.values.shape == (2, len(pixels.row_time))
     stride = -(-len(pixels.row_time) // 1000)
     few = pixels.thinned(1000)
@@ -66,7 +66,7 @@ def test_colours_of_two_by_two_pixels_are_off_to_no_side(most, corner):
     pose = look_at_pad(3000.0, target_mm=(7.0 * corner, 3.0))
     image = frame_of(pose, camera=CAMERA)
     pixels = pixels_of(Pyramid(image), CAMERA, sample_pad(), MovingPose(pose), most)
-    xy = np.round(CAMERA.focal_px * pixels.rays[:, :2] + CAMERA.matrix[:2, 2]).astype(int)
+    xy = np.round(CAMERA.focal_px * pixels.rays[:2].T + CAMERA.matrix[:2, 2]).astype(int)
     off = xy % 2 - 0.5
     assert np.abs(off.mean(axis=0)).max() < 0.1
     assert abs((off[:, 0] * off[:, 1]).mean()) < 0.05

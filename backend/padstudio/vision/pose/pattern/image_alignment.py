@@ -19,19 +19,19 @@ from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.spec import Pad
 from padstudio.vision.frame.pyramid import Pyramid
 from padstudio.vision.pose.least_squares import Fit, MotionModel, MotionPrior
-from padstudio.vision.pose.pattern.alignment_kernel import Pixels, Texture
+from padstudio.vision.pose.pattern.block_kernel import Pixels, Texture
 from padstudio.vision.pose.pattern.posterior import PatternPosterior
 from padstudio.vision.pose.pattern.solver import PatternSolver
+from padstudio.vision.pose.pattern.solver_kernel import Limits
 from padstudio.vision.pose.pattern.template import pixels_of, texture_of
 from padstudio.vision.pose.pose_posterior import Explained
 
-# Steps at the most on a part of the pixels, as far as they serve, then on all. 1250 and 5000 find
-# the same stills of the score.
-_ROUGH_STEPS, _ROUGH_PIXELS = 5, 2500
-_STEPS = 4
-# A step that is shorter than so many standard deviations, squared, ends the iteration: the last one
-# of a start among others, or before all pixels are taken, whose pose is as far off; and the last.
-_ROUGHLY_SETTLED, _NEAR, _SETTLED = 0.5, 8.0, 0.1
+# Steps are taken on a part of the pixels, as far as they serve, then on all. 1250 and 5000 find the
+# same stills of the score.
+_ROUGH_PIXELS = 2500
+# The last step of a start among others, or before all pixels are taken, whose pose is as far off;
+# and the last.
+_ROUGHLY, _NEAR, _SETTLED = Limits(5, 0.5), Limits(5, 8.0), Limits(4, 0.1)
 
 
 class Match:
@@ -87,10 +87,9 @@ class Match:
         pose: MovingPose | None = begin
         # A start that all pixels led to is not bettered by a few of them.
         if not self._compared:
-            enough = _ROUGHLY_SETTLED if rough else _NEAR
-            pose = solver.settle(begin, prior, self._few, _ROUGH_STEPS, enough)
+            pose = solver.settle(begin, prior, self._few, _ROUGHLY if rough else _NEAR)
         if pose is not None and not rough:
-            pose = solver.settle(pose, prior, self._all, _STEPS, _SETTLED)
+            pose = solver.settle(pose, prior, self._all, _SETTLED)
             self._compared = True
         if pose is None:
             return None

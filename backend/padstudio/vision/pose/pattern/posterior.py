@@ -8,26 +8,26 @@ from numpy.typing import NDArray
 from padstudio.arrays import Array
 from padstudio.geometry.planar_pnp import mirrored
 from padstudio.geometry.rolling_shutter import MovingPose, picture_change
-from padstudio.vision.pose.covariance import TILES, pattern_noise
+from padstudio.geometry.small_matrices import inverse_trace
+from padstudio.vision.pose.drift_kernel import Rows
 from padstudio.vision.pose.edge_points import Sway
 from padstudio.vision.pose.least_squares import MotionModel, MotionPrior, bounds_of
-from padstudio.vision.pose.pattern import alignment_kernel
-from padstudio.vision.pose.pattern.alignment_kernel import Pixels
-from padstudio.vision.pose.pattern.solver import Equations, PatternSolver, scales_of
-from padstudio.vision.pose.pattern.template import OVERSAMPLING, on_pad
+from padstudio.vision.pose.noise_kernel import TILES, pattern_noise
+from padstudio.vision.pose.pattern.alignment_kernel import Equations as MatchEquations
+from padstudio.vision.pose.pattern.block_kernel import Pixels
+from padstudio.vision.pose.pattern.rows_kernel import RowEquations, blur_variance, match_rows
+from padstudio.vision.pose.pattern.solver import Equations, PatternSolver
+from padstudio.vision.pose.pattern.solver_kernel import Limits, scales_of
+from padstudio.vision.pose.pattern.template import OVERSAMPLING
 from padstudio.vision.pose.pose_posterior import Explained, RowsSeen, explain_pattern
-from padstudio.vision.pose.row_motion import intervals_over
 from padstudio.vision.pose.row_motion_kernel import STATIC, RowSums
 
-# The other pose of a plane is looked for in so many steps, a step that is shorter than so many
-# standard deviations, squared, being the last.
-_ROUGH_STEPS, _ROUGHLY_SETTLED = 5, 0.5
+# The other pose of a plane is looked for in such steps, and then this one as far.
+_THERE, _HERE = Limits(5, 0.5), Limits(2, 0.5)
 # By so many pixels the pattern's shape is off at its rim.
 _SHAPE_PX = 0.02
 # A plane whose halves perspective draws so unlike has one pose alone.
 _CLEAR_PX = 1.5
-# Below the diagonal of the equations of a pose and its change.
-_BELOW = np.tri(12, k=-1)
 
 
 class PatternPosterior:
@@ -49,13 +49,16 @@ class PatternPosterior:
 
     def explain(self, pose: MovingPose, model: MotionModel) -> Explained:
         """The pose at the middle row, and its covariance (6, 6)."""
-        parts = self._solver.equations(pose, self._all, 6, TILES * TILES)
         bounds = bounds_of(pose, model, 1.0)
-        blur = 0.0 if bounds.at_rest else self._blur_variance(pose)
+        seen = self._match_rows(pose, None)
+        parts = _parts(seen.whole)
+        self._solver.scale = scales_of(seen.whole.residuals)
+        blur = 0.0 if bounds.at_rest else self._blur_variance(pose, seen.whole.residuals)
 
         def rows_seen(about: MovingPose, sway: Sway | None) -> RowsSeen:
-            seen = parts if sway is None else self._shaken_equations(about, sway)
-            return RowsSeen(*self._row_sums(about, seen, sway), blur)
+            if sway is None:
+                return RowsSeen(_rows(seen, parts), blur)
+            return RowsSeen(self._shaken(about, sway), blur)
 
         settled, covariance, shaking = explain_pattern(pose, rows_seen, self._focal_px, bounds)
         covariance = covariance + self._shape_doubt(pose)
@@ -78,17 +81,16 @@ class PatternPosterior:
             return None
         solver = self._solver
         saved = solver.brightness, solver.scale, solver.rms_px
-        few, steps = self._few, _ROUGH_STEPS
+        few = self._few
         noise = max(noise * len(few.row_time) / len(self._all.row_time), 1.0)
         solver.brightness = saved[0].copy()
-        other = solver.settle(MovingPose(start), prior, few, steps, _ROUGHLY_SETTLED)
+        other = solver.settle(MovingPose(start), prior, few, _THERE)
         found = None
         if other is not None and other.pose.position_mm[2] > 0:
-            theirs = solver.equations(other, few, 0)
+            theirs = solver.variances(other, few)
             solver.brightness, solver.scale = saved[0].copy(), saved[1]
-            here = solver.settle(pose, prior, few, 2, _ROUGHLY_SETTLED) or pose
-            mine = solver.equations(here, few, 0)
-            ratio = sum(np.log(a.variance / b.variance) for a, b in zip(theirs, mine, strict=True))
+            here = solver.settle(pose, prior, few, _HERE) or pose
+            ratio = float(np.log(theirs / solver.variances(here, few)).sum())
             worse = len(few.row_time) * ratio / noise / 2
             # The two differ by their perspective alone, which the picture's shape may feign.
             most = (self._perspective_px(pose) / _SHAPE_PX) ** 2 / 2
@@ -124,104 +126,53 @@ class PatternPosterior:
         half = (self._texture.layers.shape[2] / abs(self._texture.place[1])) / 2
         return float(self._focal_px * (half / distance) ** 2 * sine)
 
-    def _row_sums(
-        self, pose: MovingPose, parts: list[Equations], sway: Sway | None
-    ) -> tuple[RowSums, float, float]:
-        """Normal equations by intervals of rows, scaled so that their inverse is a covariance;
-        linearized where a pose and a shaking put the rows."""
-        brightness = self._solver.shown
-        first, width, ends = self._intervals()
-        starts = first + width * np.arange(len(ends) - 1.0)
-        shares = np.array([part.share for part in parts])
-        trust = shares / (np.array([part.variance for part in parts]) * (noise := _noise(parts)))
-        lower, right = np.zeros((len(starts), 12, 12)), np.zeros((len(starts), 12))
-        for k, start in enumerate(starts):
-            pixels = self._all.between(ends[k], ends[k + 1])
-            seen_from = pose if sway is None else sway.within(pose, start, start + width)
-            found = alignment_kernel.match_pattern(
-                pixels, self._texture, seen_from.state, brightness, 12, 1
-            )
-            square = found.normal[:, :12, :12].reshape(len(parts), 144)
-            lower[k] = ((trust * shares) @ square).reshape(12, 12)
-            right[k] = trust @ found.right[:, 0, :12]
-        square = lower + (lower * _BELOW).transpose(0, 2, 1)
-        here, once, twice = square[:, :6, :6], square[:, :6, 6:], square[:, 6:, 6:]
-        at = starts[:, None, None]
-        normal, pull = (
-            np.zeros((3, len(starts), STATIC, STATIC)),
-            np.zeros((2, len(starts), STATIC)),
-        )
-        normal[0, :, :6, :6] = here
-        normal[1, :, :6, :6] = (once - at * here) / width
-        normal[2, :, :6, :6] = (twice - 2 * at * once + at**2 * here) / width**2
-        pull[0, :, :6] = right[:, :6]
-        pull[1, :, :6] = (right[:, 6:] - starts[:, None] * right[:, :6]) / width
-        whole = here.sum(axis=0)
-        # What brightness takes over of a step of the pose, all directions alike.
-        left = sum((part.normal * part.share**2 / noise for part in parts), np.zeros((6, 6)))
-        kept = float(np.trace(np.linalg.solve(whole, left))) / 6
-        sums = RowSums(normal * kept, pull * kept)
-        if sway is not None:
-            sums = sums.about_rest(sway.at(first + width * np.arange(len(starts) + 1.0)))
-        return sums, first, width
+    def _match_rows(self, pose: MovingPose, sway: Sway | None) -> RowEquations:
+        turns = np.zeros((0, 3)) if sway is None else sway.rotvec
+        return match_rows(self._all, self._texture, pose.state, self._solver.shown, turns)
 
-    def _shaken_equations(self, pose: MovingPose, sway: Sway) -> list[Equations]:
-        """As `_equations`, where a shaking puts the rows; brightness follows.
+    def _shaken(self, pose: MovingPose, sway: Sway) -> Rows:
+        """Equations by rows where a pose and a shaking put them, after brightness has followed.
 
         Brightness that was found while rows were off their places shows the pattern too faintly.
         """
-        (first, width, ends), found = self._intervals(), []
-        brightness = self._solver.shown
-        for k in range(len(ends) - 1):
-            start = first + k * width
-            pixels = self._all.between(ends[k], ends[k + 1])
-            state = sway.within(pose, start, start + width).state
-            found.append(
-                alignment_kernel.match_pattern(
-                    pixels, self._texture, state, brightness, 6, TILES * TILES
-                )
-            )
-        self._solver.scale = scales_of(np.hstack([part.residuals for part in found]))
-        normal = np.sum([part.normal for part in found], axis=0)
-        right = np.sum([part.right for part in found], axis=0)
-        sums = np.sum([part.sums for part in found], axis=0)
-        parts = [Equations.of(*part, 6) for part in zip(normal, right, sums, strict=True)]
+        found = self._match_rows(pose, sway).whole
+        parts = _parts(found)
+        self._solver.scale = scales_of(found.residuals)
         self._solver.brightness = self._solver.brightness + np.stack(
             [part.change for part in parts]
         )
-        return parts
+        rows = _rows(self._match_rows(pose, sway), parts)
+        return rows._replace(sums=rows.sums.about_rest(sway.rotvec))
 
-    def _intervals(self) -> tuple[float, float, NDArray[np.intp]]:
-        """As of `intervals_over`, and the first pixel of each interval, and of none."""
-        time = self._all.row_time
-        first, width, count = intervals_over(float(time[0]), float(time[-1]))
-        return first, width, np.searchsorted(time, first + width * np.arange(count + 1))
-
-    def _blur_variance(self, pose: MovingPose) -> float:
+    def _blur_variance(self, pose: MovingPose, residuals: NDArray[np.float32]) -> float:
         """By how much the picture is blurrier than the pattern, frame pixels squared."""
-        few, place, layers = self._few, self._texture.place, self._texture.layers
-        x, y = np.moveaxis(on_pad(pose.pose, few.rays), -1, 0)
-        height, width = layers.shape[1:]
-        column = np.clip(np.round(place[0] + place[1] * x).astype(np.intp), 1, width - 2)
-        row = np.clip(np.round(place[2] + place[3] * y).astype(np.intp), 1, height - 2)
-        around = layers[:, row - 1, column] + layers[:, row + 1, column]
-        around += layers[:, row, column - 1] + layers[:, row, column + 1]
-        bend = (around - 4 * layers[:, row, column]) * (OVERSAMPLING**2 / 2)
-        residuals = alignment_kernel.match_pattern(
-            few,
-            self._texture,
-            pose.state,
-            self._solver.shown,
-            0,
-            1,
-        ).residuals
-        across = along = 0.0
-        for c, terms in enumerate(self._solver.brightness):
-            gains = terms[alignment_kernel.SHADE :: alignment_kernel.GAIN][: len(layers)]
-            change = gains @ bend
-            along += float(change @ residuals[c])
-            across += float(change @ change)
-        return along / max(across, 1e-9)
+        stride, terms = (
+            -(-len(self._all.row_time) // len(self._few.row_time)),
+            self._solver.brightness,
+        )
+        variance = blur_variance(self._all, self._texture, pose.state, terms, stride, residuals)
+        return variance / OVERSAMPLING**2
+
+
+def _parts(found: MatchEquations) -> list[Equations]:
+    """Each channel's equations of the pose."""
+    sides = zip(found.normal, found.right, found.sums, strict=True)
+    return [Equations.of(*part, 6) for part in sides]
+
+
+def _rows(found: RowEquations, parts: list[Equations]) -> Rows:
+    """Normal equations by intervals of rows, scaled so that their inverse is a covariance."""
+    noise = _noise(parts)
+    shares = np.array([part.share for part in parts])
+    trust = shares / (np.array([part.variance for part in parts]) * noise)
+    normal = np.tensordot(trust * shares, found.normal, 1)
+    # What brightness takes over of a step of the pose, all directions alike.
+    left = sum((part.normal * part.share**2 / noise for part in parts), np.zeros((6, 6)))
+    kept = inverse_trace(normal[0].sum(axis=0), left) / 6
+    whole = np.zeros((*normal.shape[:2], STATIC, STATIC))
+    pull = np.zeros((2, normal.shape[1], STATIC))
+    whole[..., :6, :6], pull[..., :6] = kept * normal, kept * np.tensordot(trust, found.pull, 1)
+    return Rows(RowSums(whole, pull), found.first, found.width)
 
 
 def _noise(parts: list[Equations]) -> float:

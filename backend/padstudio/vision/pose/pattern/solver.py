@@ -13,23 +13,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.rolling_shutter import MovingPose
-from padstudio.vision.pose.covariance import least_share
 from padstudio.vision.pose.least_squares import MotionPrior
-from padstudio.vision.pose.pattern import alignment_kernel
-from padstudio.vision.pose.pattern.alignment_kernel import Brightness, Pixels, Texture
+from padstudio.vision.pose.noise_kernel import least_share
+from padstudio.vision.pose.pattern import alignment_kernel, solver_kernel
+from padstudio.vision.pose.pattern.block_kernel import GAIN, SHADE, Brightness, Pixels, Texture
+from padstudio.vision.pose.pattern.elimination_kernel import HELD, without_brightness
+from padstudio.vision.pose.pattern.solver_kernel import Knowledge, Limits
 from padstudio.vision.pose.pattern.template import OVERSAMPLING
-
-# Where residuals are large, plain steps go half of the way; they are lengthened by what the last
-# two tell, but by no more than this.
-_MOST_STRETCH = 2.5
-# As `alignment_kernel.without_brightness` takes it.
-_HELD = 1e-9
-# Residuals beyond so many standard deviations, and grey values, are trusted little.
-_TRUSTED, _LEAST_SCALE = 3.0, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +58,7 @@ class Equations:
         """The Schur complement of the brightness terms."""
         squares, weights, steepness, _ = sums
         variance = max(squares / weights, 1e-9)
-        inner, pull, shared, change = alignment_kernel.without_brightness(
-            normal, right.sum(axis=0), size, _HELD
-        )
+        inner, pull, shared, change = without_brightness(normal, right.sum(axis=0), size, HELD)
         return cls(
             normal=inner / variance,
             right=pull / variance,
@@ -94,7 +85,7 @@ class PatternSolver:
     Attributes
     ----------
     brightness : (C, 6 + 3 L) float64
-        As of `alignment_kernel.Brightness`.
+        As of `block_kernel.Brightness`.
     scale : (C,) float64
         Likewise.
     rms_px : float
@@ -103,7 +94,7 @@ class PatternSolver:
 
     def __init__(self, texture: Texture, channels: int) -> None:
         self.texture = texture
-        terms = alignment_kernel.SHADE + alignment_kernel.GAIN * len(texture.layers)
+        terms = SHADE + GAIN * len(texture.layers)
         self.brightness = np.zeros((channels, terms))
         self.scale = np.zeros(channels)
         self.rms_px = 0.0
@@ -116,72 +107,29 @@ class PatternSolver:
 
     def find_brightness(self, pose: MovingPose, pixels: Pixels) -> None:
         """Brightness at a pose, as if the pose were right."""
-        self.brightness[:] = 0.0
-        for _ in range(2):
-            for channel, part in enumerate(self.equations(pose, pixels, 0)):
-                self.brightness[channel] += part.change
+        found = solver_kernel.brightness_at(pixels, self.texture, pose.state)
+        self.brightness, self.scale = found.terms, found.scale
 
     def settle(
-        self, pose: MovingPose, prior: MotionPrior, pixels: Pixels, steps: int, settled: float
+        self, pose: MovingPose, prior: MotionPrior, pixels: Pixels, limits: Limits
     ) -> MovingPose | None:
         """The pose after some steps, or None where the picture leaves it undetermined."""
-        last: Array | None = None
-        for _ in range(steps):
-            parts = self.equations(pose, pixels, len(prior.weight))
-            normal = np.diag(prior.weight) + sum(part.normal * part.share for part in parts)
-            right = prior.pull(pose) + sum(part.right for part in parts)
-            try:
-                step = np.asarray(np.linalg.solve(normal, right), float)
-            except np.linalg.LinAlgError:
-                return None
-            if not np.isfinite(step).all():
-                return None
-            if last is not None:
-                self._stretch = stretched(self._stretch, float(last @ normal @ step), last, normal)
-            last, length = step, float(step @ normal @ step)
-            step = self._stretch * step
-            pose = pose.moved(step)
-            for channel, part in enumerate(parts):
-                self.brightness[channel] += part.change / part.share - part.shared @ step
-            if length < settled:
-                break
-        return pose
+        start = pose.state, self.shown, self._stretch
+        known = Knowledge(prior.weight, prior.expected)
+        found = solver_kernel.settle(pixels, self.texture, start, known, limits)
+        (self.brightness, self.scale), self._stretch = found.brightness, found.stretch
+        self._measure(found.sums, pixels)
+        return MovingPose.of(found.pose) if found.solved else None
 
-    def equations(
-        self, pose: MovingPose, pixels: Pixels, size: int, tiles: int = 1
-    ) -> list[Equations]:
-        """Each channel's equations at a pose; updates what residuals are trusted, and the rms."""
-        texture = self.texture
-        normal, right, sums, residuals = alignment_kernel.match_pattern(
-            pixels, texture, pose.state, self.shown, size, tiles
-        )
-        self.scale = scales_of(residuals)
+    def variances(self, pose: MovingPose, pixels: Pixels) -> Array:
+        """Of the channels' residuals at a pose, (C,); updates what residuals are trusted."""
+        found = alignment_kernel.match_pattern(pixels, self.texture, pose.state, self.shown, 0, 0)
+        self.scale = solver_kernel.scales_of(found.residuals)
+        return np.maximum(found.sums[:, 0] / found.sums[:, 1], 1e-9)
+
+    def _measure(self, sums: Array, pixels: Pixels) -> None:
+        """The root mean square of residuals, by their sums and those of slopes."""
         slopes = sums[:, 3].sum() / (2 * len(pixels.row_time))
         squares = (sums[:, 0] / sums[:, 1]).sum()
-        self.rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) * texture.place[1] / OVERSAMPLING
-        return [Equations.of(*part, size) for part in zip(normal, right, sums, strict=True)]
-
-
-def stretched(before: float, common: float, last: Array, normal: Array) -> float:
-    """By how much to lengthen a step, of what the step before it, so lengthened, left to do.
-
-    Parameters
-    ----------
-    before : float
-        By how much the last step was lengthened.
-    common : float
-        Product of the last step, not lengthened, and this one, in the metric of ``normal``.
-    last : (K,) float64
-    normal : (K, K) float64
-    """
-    square = float(last @ normal @ last)
-    done = max(square - common, 1e-9 * square)
-    return min(max(before * square / done, 1.0), _MOST_STRETCH) if square > 0 else 1.0
-
-
-def scales_of(residuals: NDArray[np.float32]) -> Array:
-    """Beyond which residuals (C, N) are trusted little: robust standard deviations, (C,)."""
-    size = np.abs(residuals)
-    middle = size.shape[1] // 2
-    median = np.partition(size, middle, axis=1)[:, middle].astype(float)
-    return _TRUSTED * np.maximum(1.4826 * median, _LEAST_SCALE)
+        scale = self.texture.place[1] / OVERSAMPLING
+        self.rms_px = float(np.sqrt(squares / max(slopes, 1e-9))) * scale

@@ -6,17 +6,19 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from padstudio.arrays import Array
 from padstudio.geometry.camera import Camera
 from padstudio.geometry.pose import Pose
-from padstudio.geometry.rolling_shutter import MovingPose, row_times
+from padstudio.geometry.rolling_shutter import MovingPose
 from padstudio.pad.layout import outline_mm
 from padstudio.pad.spec import Pad
+from padstudio.vision.frame.pixels_kernel import values_at
 from padstudio.vision.frame.pyramid import Box, Pyramid
-from padstudio.vision.pose.covariance import tiles_of
-from padstudio.vision.pose.pattern.alignment_kernel import Pixels, Texture, blurred_cells
+from padstudio.vision.pose.noise_kernel import tiles_of
+from padstudio.vision.pose.pattern import template_kernel
+from padstudio.vision.pose.pattern.block_kernel import Pixels, Texture
+from padstudio.vision.pose.pattern.template_kernel import blurred_cells
 
 # Texture pixels per pixel of the frame, and the blur of lens, sensor and demosaicing, in the
 # latter.
@@ -37,37 +39,19 @@ def pixels_of(
     box = _outline_box(camera, pad, pose)
     if box is None:
         return None
-    xy = _spread(box, max(1, int(np.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / most))))
-    rays = np.column_stack([camera.normalize(xy), np.ones(len(xy))])
-    points = on_pad(pose.pose, rays)
+    stride = max(1, int(math.sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / most)))
     width, height = pad.size_mm
     rim = _RIM_PX * float(pose.pose.position_mm[2]) / camera.focal_px
-    inside = (np.abs(points[:, 0]) < width / 2 - rim) & (np.abs(points[:, 1]) < height / 2 - rim)
-    which = np.flatnonzero(inside)
-    if len(which) < _LEAST_PIXELS:
+    corners, sides = (box.x0, box.y0, box.x1, box.y1), (width / 2 - rim, height / 2 - rim)
+    every = template_kernel.pixels_on_pad(corners, stride, pose.projector(camera), sides)
+    if len(every.xy) < _LEAST_PIXELS:
         return None
-    if len(which) > most:
-        which = which[np.linspace(0, len(which) - 1, most).astype(np.intp)]
-    xy, rays = xy[which], rays[which]
-    values = np.stack([pyramid.values_at(layer.channel, xy) for layer in pad.layers])
-    u, v = ((xy - xy.mean(axis=0)) / max(box.side / 2, 1)).T
-    shade = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1)
-    row_time = row_times(camera, xy[:, 1].astype(float))
-    return Pixels(rays, row_time, shade, tiles_of(xy.astype(float)), values)
-
-
-def _spread(box: Box, stride: int) -> NDArray[np.intp]:
-    """Every so manieth pixel (N, 2) of a box along both axes, by rows.
-
-    Even and odd columns and rows alike: colours are often the same for two by two pixels, and of
-    those on one side alone would be off by half a pixel.
-    """
-    x, y = np.meshgrid(np.arange(box.x0, box.x1, stride), np.arange(box.y0, box.y1, stride))
-    if stride % 2 == 0:
-        row = np.arange(len(y))[:, None]
-        x, y = x + row // 2 % 2, y + row % 2
-    xy = np.stack([x.ravel(), y.ravel()], axis=1)
-    return xy[(xy < [box.x1, box.y1]).all(axis=1)]
+    (xy, rays), row_time, shade = template_kernel.thinned(
+        every, most, max(box.side / 2, 1.0), camera.height
+    )
+    windows = (pyramid.window(layer.channel, 0) for layer in pad.layers)
+    values = np.stack([values_at(window, xy) for window in windows])
+    return Pixels(rays, row_time, shade, tiles_of(xy), values)
 
 
 def _outline_box(camera: Camera, pad: Pad, pose: MovingPose) -> Box | None:
@@ -76,7 +60,8 @@ def _outline_box(camera: Camera, pad: Pad, pose: MovingPose) -> Box | None:
         return None
     low = np.clip(np.floor(corners.min(axis=0)), 0, None).astype(int)
     high = np.ceil(corners.max(axis=0)).astype(int) + 1
-    box = Box(low[0], low[1], min(camera.width, high[0]), min(camera.height, high[1]))
+    right, below = min(camera.width, int(high[0])), min(camera.height, int(high[1]))
+    box = Box(int(low[0]), int(low[1]), right, below)
     return box if min(box.x1 - box.x0, box.y1 - box.y0) >= 4 else None
 
 
