@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import socket
 import ssl
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -470,12 +468,3 @@ def test_pauses_double_up_to_the_longest() -> None:
 
 def test_a_state_is_as_of_now(open_stream: Open) -> None:
     assert StreamState().phase == "connecting"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads have priorities on Linux alone")
-def test_decoding_gives_way_to_what_looks_at_frames(video: Path, open_stream: Open) -> None:
-    take(open_stream(str(video), loop=True), 1)
-    (decoder,) = [each for each in threading.enumerate() if each.name == "stream decoder"]
-    assert decoder.native_id is not None
-    mine = os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-    assert os.getpriority(os.PRIO_PROCESS, decoder.native_id) == min(mine + 10, 19)

@@ -3,15 +3,12 @@
 Two threads: one receives packets and hands them to who records them, the other decodes. Received
 packets are never held back by decoding, decoded frames never by their reader: there is one place
 for the newest, and what it displaces is dropped and counted. Where decoding itself is too slow,
-what waits for too long is passed over (`backlog.py`), so that latency stays bounded. Where both
-share a core, the frame that is looked at goes before the one that is decoded next.
+what waits for too long is passed over (`backlog.py`), so that latency stays bounded.
 """
 
 from __future__ import annotations
 
 import contextlib
-import os
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -35,8 +32,6 @@ if TYPE_CHECKING:
 
 # A thread that waits within FFmpeg ends by its time limits; closing waits no longer for it.
 _CLOSE_S = 0.8
-# Steps of niceness: where a core is short, who looks at a frame has nine tenths of it.
-_LATER = 10
 # A source that hangs is told after so much more than its limit.
 _GRACE_S = 0.5
 
@@ -186,7 +181,6 @@ class LiveStream:
                 tap.closed()
 
     def _decode(self) -> None:
-        _give_way()
         decoder = StreamDecoder(self._options.max_pixels)
         while (taken := self._backlog.take()) is not None:
             arrival, has_gap = taken
@@ -224,15 +218,3 @@ class LiveStream:
         with self._lock:
             if self._state.phase not in ("ended", "refused"):
                 self._state = replace(self._state, phase=phase, detail=detail, code=code, **more)
-
-
-def _give_way() -> None:
-    """Let this thread run behind the process's others, so that a pose is not late on one core.
-
-    Only Linux has priorities of threads; elsewhere that would be the whole process's.
-    """
-    if sys.platform == "linux":
-        with contextlib.suppress(OSError):
-            thread = threading.get_native_id()
-            niceness = os.getpriority(os.PRIO_PROCESS, thread) + _LATER
-            os.setpriority(os.PRIO_PROCESS, thread, min(niceness, 19))
