@@ -50,7 +50,15 @@ def running(
     app = create_app(settings, **options)
     for path, fault in (faults or {}).items():
         app.add_api_route(path, partial(_fail, fault))
-    config = uvicorn.Config(app, http=Connection, log_level="critical", lifespan="on", ws="none")
+    config = uvicorn.Config(
+        app,
+        http=Connection,
+        log_level="critical",
+        lifespan="on",
+        ws="none",
+        # A client that a test left behind does not hold up the end of all.
+        timeout_graceful_shutdown=10,
+    )
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
