@@ -131,3 +131,14 @@ def test_ci_runs_the_tests_and_nothing_else():
 def test_make_knows_the_targets_of_the_readme(target):
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert re.search(rf"^{target}:", makefile, re.MULTILINE)
+
+
+_CLOCKS = re.compile(r"""setattr\(\s*(["']time\.|time\s*,)""")
+
+
+def test_no_test_stops_the_clock_of_the_whole_process():
+    """Servers of other tests run in it: what their loops wait for would come in days."""
+    assert _CLOCKS.search('patch.setattr("time.monotonic", clock)')
+    tests = [path for path in PYTHON if (ROOT / "tests") in path.parents]
+    guilty = [path for path in tests if _CLOCKS.search(path.read_text(encoding="utf-8"))]
+    assert [path for path in guilty if path.name != "test_repository.py"] == []

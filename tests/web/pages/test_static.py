@@ -20,7 +20,7 @@ def test_addresses_of_files_cost_one_look_a_second(monkeypatch: pytest.MonkeyPat
         looks += 1
         return walk(path, pattern, **options)
 
-    monkeypatch.setattr("time.monotonic", lambda: now_s[0])
+    monkeypatch.setattr(static, "monotonic", lambda: now_s[0])
     monkeypatch.setattr(Path, "rglob", counted)
     for _ in range(20):
         static.address("icon.svg")
@@ -34,7 +34,7 @@ def test_a_changed_file_has_another_address(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     now_s = [2e6]
-    monkeypatch.setattr("time.monotonic", lambda: now_s[0])
+    monkeypatch.setattr(static, "monotonic", lambda: now_s[0])
     monkeypatch.setattr(static, "_FRONTEND", tmp_path)
     icon = tmp_path / "icon.svg"
     icon.write_text("<svg/>", encoding="utf-8")

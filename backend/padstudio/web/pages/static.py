@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import gzip
 import hashlib
-import time
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
+from time import monotonic
 
 from fastapi import APIRouter, Request
 from starlette.responses import Response
@@ -96,7 +96,7 @@ def get_file(request: Request, digest: str, name: str) -> Response:
 
 def _changed() -> int:
     """When a file of the pages last changed, ns; looked up once a second at the most."""
-    return _changed_by(int(time.monotonic() / _LOOK_AGAIN_S))
+    return _changed_by(int(monotonic() / _LOOK_AGAIN_S))
 
 
 @lru_cache(maxsize=1)
